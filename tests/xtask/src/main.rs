@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! target    the chip's Rust target, installed where it is missing        target.rs
-//! packages  emulator, browser, packages of Python and npm, where missing  packages.rs, unpack.rs
+//! packages  emulator, browser, where missing; packages of Python and npm  packages.rs, unpack.rs
 //! boards    format, lints and images of each board's workspace           boards.rs
 //! firmware  built for the chip; its crates; neither std nor alloc        firmware.rs
 //! tests     built beside these two, then run, results added up           tally.rs, selection.rs
@@ -89,21 +89,23 @@ fn ended(result: Result<(), Failure>) -> ExitCode {
 /// Runs all steps, then says what failed, what was skipped, and the sum.
 fn test(selection: &Selection) -> ExitCode {
     let target = target::install();
-    let packages = packages::install();
+    let programs = packages::install_programs();
     let has_chip = target.is_ok() && selection.has_others();
-    // The builds for the chip share no folder with that of the tests, and neither keeps all cores busy by itself.
-    let ([boards, firmware], built) = thread::scope(|scope| {
+    // The builds for the chip share no folder with that of the tests, and none of the three keeps all cores busy by itself.
+    let ([boards, firmware, modules], built) = thread::scope(|scope| {
+        let modules = scope.spawn(packages::install_modules);
         let chip = scope.spawn(|| if has_chip { [boards::check(), firmware::check()] } else { [Ok(()), Ok(())] });
         let built = tally::build();
-        let panicked = || Err(Failure::new("a check of the boards or the firmware panicked"));
-        (chip.join().unwrap_or_else(|_| [panicked(), panicked()]), built)
+        let panicked = || Err(Failure::new("a step beside the build of the tests panicked"));
+        let [boards, firmware] = chip.join().unwrap_or_else(|_| [panicked(), panicked()]);
+        ([boards, firmware, modules.join().unwrap_or_else(|_| panicked())], built)
     });
     let (mut tally, tests) = match built {
         Ok(()) => tally::test_workspace(selection),
         Err(failure) => (Tally::default(), Err(failure)),
     };
     let python = if selection.has_others() { python::check().map(|checked| tally.add_python(checked)) } else { Ok(()) };
-    let steps = [packages, tests, python, target, boards, firmware];
+    let steps = [programs, modules, tests, python, target, boards, firmware];
     let failures: Vec<Failure> = steps.into_iter().filter_map(Result::err).collect();
     for failure in &failures {
         eprintln!("xtask: FAILED: {}", failure.what);

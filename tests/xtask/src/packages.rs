@@ -163,13 +163,20 @@ const PYTHON_NEEDS: [PythonNeed; 5] = [
     },
 ];
 
-/// Installs what is missing.
+/// Installs the programs that are missing; may ask a person at a terminal.
 ///
 /// # Errors
 /// Not there and not to be had; says what was tried and what to do.
-pub fn install() -> Result<(), Failure> {
-    let needs = NEEDS.iter().map(install_one).fold(Ok(()), Result::and);
-    let needs = PYTHON_NEEDS.iter().map(install_python_packages).fold(needs, Result::and);
+pub fn install_programs() -> Result<(), Failure> {
+    NEEDS.iter().map(install_one).fold(Ok(()), Result::and)
+}
+
+/// Installs the packages of Python and npm that are missing, into folders of the project.
+///
+/// # Errors
+/// As [`install_programs`].
+pub fn install_modules() -> Result<(), Failure> {
+    let needs = PYTHON_NEEDS.iter().map(install_python_packages).fold(Ok(()), Result::and);
     if let Err(failure) = install_node_packages() {
         announce(&format!(
             "WITHOUT the packages of npm for the viewer ({}). With npm and the network, run `npm ci` in {WEB}.",
@@ -196,7 +203,7 @@ fn install_node_packages() -> Result<(), Failure> {
 /// Installs LinuxCNC and its compiler of components, if they are missing.
 ///
 /// # Errors
-/// As [`install`].
+/// As [`install_programs`].
 pub fn install_linuxcnc() -> Result<(), Failure> {
     let needs = NEEDS.iter().filter(|need| need.package.starts_with("linuxcnc"));
     needs.map(|need| install_one(&Need { is_optional: false, ..*need })).fold(Ok(()), Result::and)
