@@ -6,13 +6,14 @@
 
 use arcfeed_control::action::MoveContext;
 use arcfeed_kinematics::machine::Machine;
+use arcfeed_kinematics::vector::{Vector, difference};
 use arcfeed_nc::machining::ToolInSpindle;
 use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_units::{Micros, Nm, S_PER_MIN};
 
 use crate::override_source::OverrideSource;
-use crate::removal::placement::WorkpiecePlacement;
-use crate::removal::trail::AxisPosition;
+use crate::removal::placement::{UP, WorkpiecePlacement};
+use crate::removal::trail::{AxisPosition, off_mm};
 use crate::simulation::{STEP, Simulation};
 
 /// Most points of a run.
@@ -26,9 +27,6 @@ const CHANGE_RATIO: f64 = 1e-2;
 
 /// Longest interval.
 const INTERVAL_MAX: Micros = Micros::from_ms(250);
-
-/// Direction of the axis of a tool that stands along Z.
-pub const UP: [f64; 3] = [0.0, 0.0, 1.0];
 
 /// Component of the axis at the end of an interval along that at its beginning: 1 degree.
 const SAME_AXIS_RATIO: f64 = 0.999_847_7;
@@ -204,6 +202,8 @@ impl PathTrace {
             (open, next) => open.is_some() == next.is_some(),
         };
         let Some(from) = self.points.last() else { return false };
+        let chord_mm = difference(next.position_mm, from.position_mm);
+        let is_near_chord = |passed: &Vector| off_mm(&difference(*passed, from.position_mm), &chord_mm) <= TOLERANCE_MM;
         (open.block, open.is_rapid, open.tool) == (next.block, next.is_rapid, next.tool)
             && from.axis.iter().zip(next.axis).map(|(a, b)| a * b).sum::<f64>() >= SAME_AXIS_RATIO
             && is_near(open.feed_mm_per_min, next.feed_mm_per_min)
@@ -211,10 +211,7 @@ impl PathTrace {
             && chips_agree
             && open.percent.abs_diff(next.percent) <= 1
             && next.at.since(from.at) <= INTERVAL_MAX
-            && self
-                .passed
-                .iter()
-                .all(|passed| distance_mm(*passed, [from.position_mm, next.position_mm]) <= TOLERANCE_MM)
+            && self.passed.iter().all(is_near_chord)
     }
 
     fn close(&mut self) {
@@ -263,17 +260,6 @@ fn merged(before: &TracePoint, next: TracePoint) -> TracePoint {
         chip_ratio: largest(before.chip_ratio, next.chip_ratio),
         ..next
     }
-}
-
-/// Distance of a point from the straight line between two others.
-fn distance_mm(point: [f64; 3], [from, to]: [[f64; 3]; 2]) -> f64 {
-    let minus = |a: [f64; 3], b: [f64; 3]| [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
-    let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    let (line, offset) = (minus(to, from), minus(point, from));
-    let length_2 = dot(line, line);
-    let along = if length_2 > 0.0 { (dot(offset, line) / length_2).clamp(0.0, 1.0) } else { 0.0 };
-    let across = minus(offset, line.map(|component| component * along));
-    libm::sqrt(dot(across, across))
 }
 
 #[cfg(test)]

@@ -40,7 +40,7 @@ const UPRIGHT_RAD: f64 = 1e-6;
 const NEAR_MM: f64 = 1.0;
 
 /// Tool axis without rotary axes, or for the part in its first position.
-const UP: Vector = [0.0, 0.0, 1.0];
+pub const UP: Vector = [0.0, 0.0, 1.0];
 
 /// Reason why the material of a block is not removed, or its edges are not evaluated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

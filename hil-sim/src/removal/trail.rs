@@ -211,19 +211,19 @@ impl PathSection {
     }
 }
 
-fn dot(v: &AxisPosition, w: &AxisPosition) -> f64 {
+fn dot<const N: usize>(v: &[f64; N], w: &[f64; N]) -> f64 {
     v.iter().zip(w).map(|(a, b)| a * b).sum()
 }
 
-fn length(v: &AxisPosition) -> f64 {
+fn length<const N: usize>(v: &[f64; N]) -> f64 {
     libm::sqrt(dot(v, v))
 }
 
 /// Distance of the end of a vector from a chord that begins with it.
-fn off_mm(arm_mm: &AxisPosition, path_mm: &AxisPosition) -> f64 {
+pub(crate) fn off_mm<const N: usize>(arm_mm: &[f64; N], path_mm: &[f64; N]) -> f64 {
     let square = dot(path_mm, path_mm);
     let part = if square > 0.0 { (dot(arm_mm, path_mm) / square).clamp(0.0, 1.0) } else { 0.0 };
-    let off: AxisPosition = std::array::from_fn(|axis| arm_mm[axis] - part * path_mm[axis]);
+    let off: [f64; N] = std::array::from_fn(|axis| arm_mm[axis] - part * path_mm[axis]);
     length(&off)
 }
 

@@ -31,33 +31,26 @@ fn executed(file: &JobFile, text: &[u8]) -> Vec<[f64; 3]> {
     points
 }
 
-/// Distance of a point from a piece of a straight line, without closures for each axis: the tests ask this millions of times.
-fn off(p: &[f64; 3], a: &[f64; 3], b: &[f64; 3]) -> f64 {
-    let (mut along, mut length) = (0.0, 0.0);
-    for axis in 0..3 {
-        along += (p[axis] - a[axis]) * (b[axis] - a[axis]);
-        length += (b[axis] - a[axis]) * (b[axis] - a[axis]);
-    }
-    let t = if length > 0.0 { (along / length).clamp(0.0, 1.0) } else { 0.0 };
-    let mut sum = 0.0;
-    for axis in 0..3 {
-        let apart = p[axis] - a[axis] - t * (b[axis] - a[axis]);
-        sum += apart * apart;
-    }
-    libm::sqrt(sum)
-}
-
 /// Largest distance of the points from the way that others went, in their order.
 fn apart(points: &[[f64; 3]], way: &[[f64; 3]]) -> f64 {
+    let distance = |p: &[f64; 3], a: &[f64; 3], b: &[f64; 3]| {
+        let along = |from: &[f64; 3], to: &[f64; 3]| [0, 1, 2].map(|axis| to[axis] - from[axis]);
+        let dot = |u: [f64; 3], v: [f64; 3]| u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+        let (ab, ap) = (along(a, b), along(a, p));
+        let length = dot(ab, ab);
+        let t = if length > 0.0 { (dot(ap, ab) / length).clamp(0.0, 1.0) } else { 0.0 };
+        let off = [0, 1, 2].map(|axis| ap[axis] - t * ab[axis]);
+        libm::sqrt(dot(off, off))
+    };
     let (mut at, mut worst) = (0, 0.0_f64);
     for point in points {
         let best = |range: std::ops::Range<usize>| {
-            let pairs = range.filter_map(|at| Some((at, off(point, way.get(at)?, way.get(at + 1)?))));
+            let pairs = range.filter_map(|at| Some((at, distance(point, way.get(at)?, way.get(at + 1)?))));
             pairs.min_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((at, f64::INFINITY))
         };
-        let (nearest, distance) = best(at..at + 200);
+        let (nearest, off) = best(at..at + 200);
         at = nearest;
-        worst = worst.max(distance);
+        worst = worst.max(off);
     }
     worst
 }

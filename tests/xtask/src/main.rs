@@ -2,10 +2,10 @@
 //!
 //! ```text
 //! target    the chip's Rust target, installed where it is missing        target.rs
-//! packages  emulator, browser, where missing; packages of Python and npm  packages.rs, unpack.rs
+//! packages  programs of the system; packages of Python and npm           packages.rs, unpack.rs
 //! boards    format, lints and images of each board's workspace           boards.rs
 //! firmware  built for the chip; its crates; neither std nor alloc        firmware.rs
-//! tests     built beside these two, then run, results added up           tally.rs, selection.rs
+//! tests     built beside these, then run, results added up               tally.rs, selection.rs
 //! python    the Python package: wheel, types, tests                      python.rs
 //! ```
 //!
@@ -91,7 +91,7 @@ fn test(selection: &Selection) -> ExitCode {
     let target = target::install();
     let programs = packages::install_programs();
     let has_chip = target.is_ok() && selection.has_others();
-    // The builds for the chip share no folder with that of the tests, and none of the three keeps all cores busy by itself.
+    // The packages, the builds for the chip and that of the tests share no folder, and none keeps all cores busy by itself.
     let ([boards, firmware, modules], built) = thread::scope(|scope| {
         let modules = scope.spawn(packages::install_modules);
         let chip = scope.spawn(|| if has_chip { [boards::check(), firmware::check()] } else { [Ok(()), Ok(())] });

@@ -2,8 +2,9 @@
 //! NC text.
 
 use arcfeed_dexel::tool::Tool;
-use arcfeed_hil_sim::path_trace::{TracePoint, UP};
+use arcfeed_hil_sim::path_trace::TracePoint;
 use arcfeed_hil_sim::removal::cutter::StockCutter;
+use arcfeed_hil_sim::removal::placement::UP;
 use arcfeed_hil_sim::removal::rate::windows;
 use arcfeed_milling::cutting::meter::MoveChips;
 use arcfeed_model::job::Job;

@@ -3,8 +3,8 @@
 use std::net::SocketAddr;
 
 use arcfeed_control::action::{MoveContext, ProgrammedPath};
-use arcfeed_hil_sim::path_trace::{TracePoint, UP};
-use arcfeed_hil_sim::removal::placement::WorkpiecePlacement;
+use arcfeed_hil_sim::path_trace::TracePoint;
+use arcfeed_hil_sim::removal::placement::{UP, WorkpiecePlacement};
 use arcfeed_hil_sim::removal::trail::AxisPosition;
 use arcfeed_nc::machining::ToolInSpindle;
 use arcfeed_nc::segment::{Path, Segment};
