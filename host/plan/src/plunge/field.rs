@@ -20,7 +20,7 @@ use crate::proof::bodies;
 use crate::search::{Minimum, descend};
 use crate::vector::{Point, Vector};
 
-use super::distance::SlabTree;
+use super::distance::BoxTree;
 
 /// Largest distance of the triangles from the blade, mm.
 const CHORD_MM: f64 = 0.002;
@@ -43,7 +43,7 @@ const STEPS_MAX: usize = 2000;
 
 /// Blades of a rotor, prepared for measuring distances from them and for following the walls of a passage.
 pub struct Field {
-    tree: SlabTree,
+    tree: BoxTree,
     /// Points of the first blade: radius, place along the rotor's axis, angle about it.
     sheet: Vec<[f64; 3]>,
     /// Lines of the blade's tip on both sides, from edge to edge: place along the rotor's axis, radius.
@@ -88,7 +88,7 @@ struct Wall<'f> {
 impl Field {
     /// Field of a rotor's blades.
     pub fn new(blisk: &Blisk) -> Self {
-        let tree = SlabTree::new(bodies::blades(blisk, CHORD_MM));
+        let tree = BoxTree::new(bodies::blades(blisk, CHORD_MM));
         let corners = || tree.triangles().iter().flatten();
         let range = |value: fn(&Point) -> f64| {
             corners().map(value).fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)])
