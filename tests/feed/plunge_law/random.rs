@@ -112,7 +112,7 @@ fn program(random: &mut Rng, rev_per_min: u16) -> String {
 #[test]
 fn no_descent_is_above_the_limits_of_chip_torque_power_and_feed() {
     let (mut governed, mut most, mut above_before) = (0, [0.0_f64; 3], 0);
-    let programs = of_full_set(120, 16);
+    let programs = of_full_set(120, 10);
     for seed in 0..programs {
         let mut random = Rng::with_seed(0x26 + seed);
         let sample = RandomPlunges::sample(&mut random);

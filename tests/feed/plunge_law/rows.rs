@@ -9,8 +9,8 @@ use crate::plunge_law::plunge_job::PlungeJob;
 const PROGRAM: &str = "%\nG21G17G90G94\nS800M3\nN1G0X0.Y3.Z5.\nN2G1Z-30.F160.\nN3G0Z5.\nN4X4.\nN5G1Z-30.F160.\nN6G0Z5.\nN7X8.\n\
                        N8G1Z-30.F160.\nN9G0Z5.\nN10X12.\nN11G1Z-30.F160.\nN12G0Z5.\nN13M30\n%\n";
 
-/// The row in this mode.
-fn row<'a>(name: &'a str, mode: &'a str) -> PlungeJob<'a> {
+/// A row in this mode.
+fn row<'a>(name: &'a str, mode: &'a str, program: &'a str) -> PlungeJob<'a> {
     PlungeJob {
         name,
         tool: "kind = \"end-mill\"\ndiameter = 10\nteeth = 3\nheight = 40",
@@ -20,14 +20,19 @@ fn row<'a>(name: &'a str, mode: &'a str) -> PlungeJob<'a> {
         mode,
         feed_per_tooth_mm: 0.08,
         max_raise: 2.0,
-        program: PROGRAM,
+        program,
     }
+}
+
+/// The same four plunges, 12 mm deep.
+fn short() -> String {
+    PROGRAM.replace("Z-30.", "Z-12.")
 }
 
 #[test]
 fn point_7_plunges_under_the_law_keep_power_and_torque_in_both_modes() {
     for mode in ["mode = \"safe-base\"", "mode = \"rewrite-only\""] {
-        let found = row("row", mode).found();
+        let found = row("row", mode, PROGRAM).found();
         let (power, torque) = (found.most(|load| load.power_w), found.most(|load| load.torque_n_m));
         let chip = found.most(|load| load.chip_mm);
         println!(
@@ -71,7 +76,7 @@ fn descents_in_table(path: &str) -> [u64; 4] {
 
 #[test]
 fn the_reports_have_the_override_of_the_descents_as_the_table_of_blocks_has_it() {
-    let (scratch, job) = row("override-row", "mode = \"safe-base\"").written();
+    let (scratch, job) = row("override-row", "mode = \"safe-base\"", &short()).written();
     assert!(run(&["engage", &job]).status.success());
     let [trace, journal] = ["run.csv", "journal"].map(|name| scratch.path(name));
     let stream = ["stream", &job, "--port", "sim:", "--journal", &journal];
@@ -97,7 +102,7 @@ fn the_reports_have_the_override_of_the_descents_as_the_table_of_blocks_has_it()
 
 #[test]
 fn a_board_raises_the_least_feed_of_a_streamed_row_as_the_controller_of_a_simulated_run_does() {
-    let (scratch, job) = row("streamed-row", "mode = \"safe-base\"").written();
+    let (scratch, job) = row("streamed-row", "mode = \"safe-base\"", PROGRAM).written();
     assert!(run(&["engage", &job]).status.success());
     let journal = scratch.path("journal");
     let board = ["stream", &job, "--port", "sim:", "--board", "sim:", "--journal", &journal, "--json"];
@@ -112,7 +117,7 @@ fn a_board_raises_the_least_feed_of_a_streamed_row_as_the_controller_of_a_simula
 
 #[test]
 fn parameters_of_a_board_at_a_tapped_line_warn_that_plunges_keep_their_programmed_feed() {
-    let (scratch, job) = row("tapped-row", "mode = \"safe-base\"").written();
+    let (scratch, job) = row("tapped-row", "mode = \"safe-base\"", &short()).written();
     assert!(run(&["engage", &job]).status.success());
     let output = run(&["parameters", &job, "--output", &scratch.path("page")]);
     let said = String::from_utf8_lossy(&output.stderr);

@@ -20,7 +20,7 @@ fn the_page_adapts_and_simulates_the_example_to_the_bytes_of_the_program() {
     }
     let scratch = Scratch::new(test);
     let site = scratch.path("site");
-    let xtask = ["run", "--quiet", "--locked", "--package", "xtask", "--", "web", &site];
+    let xtask = ["run", "--quiet", "--locked", "--package", "xtask", "--", "web", &site, "release"];
     let built = Command::new(env!("CARGO")).args(xtask).current_dir(root()).output().expect("cargo runs");
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
     for file in ["ibr-slot.nc", "job.toml"] {

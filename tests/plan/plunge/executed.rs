@@ -73,12 +73,22 @@ pub fn assert_read_by_rs274(folder: &str, name: &str) {
     assert!(found.len() >= expected.len() && expected.len() > 500 && worst <= PRINTED);
 }
 
+/// Job with rays three times as far apart: what the control does with the program does not depend on them.
+fn with_coarse_rays(job: &str) -> String {
+    let (before, rest) = job.split_once("\nstep = ").expect("a workpiece");
+    let (step, after) = rest.split_once('\n').expect("a line");
+    let step: f64 = step.parse().expect("a number");
+    format!("{before}\nstep = {}\n{after}", 3.0 * step)
+}
+
 /// A run of the program in process and one over a DNC line execute the same blocks without an alarm.
 pub fn assert_streamed(folder: &str, name: &str) {
     let program = format!("{folder}/{name}.nc");
     let text = std::fs::read_to_string(&program).expect("a program");
     std::fs::write(&program, of_full_set(text.clone(), first_passage(&text))).expect("it was just read");
-    let job = format!("{folder}/job.toml");
+    let job = format!("{folder}/coarse.toml");
+    let fine = std::fs::read_to_string(format!("{folder}/job.toml")).expect("a job");
+    std::fs::write(&job, with_coarse_rays(&fine)).expect("a job");
     let journal = format!("{folder}/journal");
     let simulated = object(&["simulate", &job]);
     let streamed = object(&["stream", &job, "--port", "sim:", "--journal", &journal]);

@@ -133,8 +133,8 @@ impl Planned {
     fn is_open(&self, point: &Point, beyond_mm: f64, above_mm: f64) -> bool {
         let is_between = |at: PlanePoint| at.from_lines_mm.iter().all(|from_mm| *from_mm >= beyond_mm);
         libm::hypot(point.x, point.y) < self.blisk.blank.radius_mm
-            && self.blisk.hub.height_mm(point) >= above_mm
             && self.beside(point).is_some_and(|beside| beside.into_iter().all(is_between))
+            && self.blisk.hub.height_mm(point) >= above_mm
     }
 
     /// Greatest height above the allowance of what the flat ends leave on the hub: their lift, the step to the next plane along
@@ -210,11 +210,16 @@ pub fn surface(stock: &Stock, block: &Block) -> Vec<Point> {
 /// Distances from blades and hub of all that the mill has left, and the nearest places to dense samples of the blades.
 pub fn no_mark_is_in_blades_or_hub(planned: &Planned, stock: &Stock) {
     let places = surface(stock, &planned.block());
-    let from_blades = |place: &Point| {
-        [WallSide::Left, WallSide::Right]
-            .map(|side| planned.field.distance(side, place).0)
-            .into_iter()
-            .fold(f64::INFINITY, f64::min)
+    // Places follow one another along rows of rays.
+    let mut last = [None; 2];
+    let mut from_blades = |place: &Point| {
+        let mut from = |side: WallSide| {
+            let last = &mut last[usize::from(side == WallSide::Right)];
+            let (distance_mm, on) = planned.field.distance_after(side, place, *last);
+            *last = Some(on);
+            distance_mm
+        };
+        from(WallSide::Left).min(from(WallSide::Right))
     };
     let mut found: Vec<(f64, Point)> = places.iter().map(|place| (from_blades(place), *place)).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));

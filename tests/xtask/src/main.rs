@@ -6,7 +6,7 @@
 //! boards    format, lints and images of each board's workspace           boards.rs
 //! firmware  built for the chip; its crates; neither std nor alloc        firmware.rs
 //! tests     built beside these, then run, results added up               tally.rs, selection.rs
-//! python    the Python package: wheel, types, tests                      python.rs
+//! python    the Python package beside the tests: wheel, types, tests     python.rs
 //! ```
 //!
 //! All steps run even after one has failed, those for the chip only if their target is there. The last line of the output
@@ -50,7 +50,8 @@ const USAGE: &str = "usage: cargo xtask test    install what is missing, run eve
                                   reads, MINUTES (10) for each target
        cargo xtask linuxcnc    install LinuxCNC where it is missing, and print the figures of the published slot on it: as
                                   programmed, with F words, and with the component (root)
-       cargo xtask web FOLDER    the start page with arcfeed inside it, as FOLDER/index.html
+       cargo xtask web FOLDER [PROFILE]    the start page with arcfeed inside it, as FOLDER/index.html; the profile of cargo
+                                  is the shipped one (dist) unless another is given
        cargo xtask help    this text";
 
 fn main() -> ExitCode {
@@ -60,7 +61,8 @@ fn main() -> ExitCode {
         ["soak"] => ended(soak::soak(None)),
         ["soak", minutes] => ended(soak::soak(Some(minutes))),
         ["linuxcnc"] => ended(linuxcnc::figures()),
-        ["web", folder] => ended(web::write(folder)),
+        ["web", folder] => ended(web::write(folder, web::SHIPPED)),
+        ["web", folder, profile] => ended(web::write(folder, profile)),
         ["help"] => {
             println!("{USAGE}");
             ExitCode::SUCCESS
@@ -100,11 +102,16 @@ fn test(selection: &Selection) -> ExitCode {
         let [boards, firmware] = chip.join().unwrap_or_else(|_| [panicked(), panicked()]);
         ([boards, firmware, modules.join().unwrap_or_else(|_| panicked())], built)
     });
-    let (mut tally, tests) = match built {
-        Ok(()) => tally::test_workspace(selection),
-        Err(failure) => (Tally::default(), Err(failure)),
-    };
-    let python = if selection.has_others() { python::check().map(|checked| tally.add_python(checked)) } else { Ok(()) };
+    let ((mut tally, tests), python) = thread::scope(|scope| {
+        let python = selection.has_others().then(|| scope.spawn(python::check));
+        let tests = match built {
+            Ok(()) => tally::test_workspace(selection),
+            Err(failure) => (Tally::default(), Err(failure)),
+        };
+        let panicked = || Err(Failure::new("the check of the Python package panicked"));
+        (tests, python.map(|python| python.join().unwrap_or_else(|_| panicked())))
+    });
+    let python = python.transpose().map(|checked| checked.into_iter().for_each(|checked| tally.add_python(checked)));
     let steps = [programs, modules, tests, python, target, boards, firmware];
     let failures: Vec<Failure> = steps.into_iter().filter_map(Result::err).collect();
     for failure in &failures {

@@ -11,7 +11,7 @@ use crate::target::{PAGE, add};
 
 const PACKAGE: &str = "arcfeed-wasm";
 /// Profile of what is shipped.
-const PROFILE: &str = "dist";
+pub const SHIPPED: &str = "dist";
 const LEVEL: u8 = 9;
 
 /// Nothing is loaded from elsewhere, and nothing can be sent: frames and workers of the page have its policy too.
@@ -30,15 +30,15 @@ const EXAMPLE: [&str; 3] = [
     include_str!("../../../examples/pocket/job-contour.toml"),
 ];
 
-/// Writes `index.html` into a folder.
+/// Writes `index.html` into a folder, with the module as a profile builds it.
 ///
 /// # Errors
 /// The module does not build, or the folder cannot be written.
-pub fn write(folder: &str) -> Result<(), Failure> {
+pub fn write(folder: &str, profile: &str) -> Result<(), Failure> {
     add(PAGE)?;
     announce("the module of the page: some minutes the first time");
-    run(&mut cargo(&["build", "--locked", "--package", PACKAGE, "--target", PAGE, "--profile", PROFILE]))?;
-    let module = build_dir()?.join(PAGE).join(PROFILE).join("arcfeed_wasm.wasm");
+    run(&mut cargo(&["build", "--locked", "--package", PACKAGE, "--target", PAGE, "--profile", profile]))?;
+    let module = build_dir()?.join(PAGE).join(profile).join("arcfeed_wasm.wasm");
     let failed = |path: &Path, error: std::io::Error| Failure::new(format!("{}: {error}", path.display()));
     let module = fs::read(&module).map_err(|error| failed(&module, error))?;
     let folder = Path::new(folder);
