@@ -25,3 +25,5 @@ mod stability;
 mod stock;
 
 mod stock_fit;
+
+mod one_run;

@@ -41,6 +41,8 @@ mod stock_frames;
 
 pub(super) mod observer;
 
+mod both_runs;
+
 mod spindle_load;
 
 mod path_plot;
@@ -82,11 +84,12 @@ use crate::report::summary::RunSummary;
 use assertions::{Assertion, AssertionOutcome, Evidence, Verdict};
 use assumed_stock::StockArgs;
 use block_pairs::BlockPairs;
+use both_runs::{BothRuns, ObservedEnd};
 pub use conditions::{foreseen, foreseen_before, has_scopes};
 use control::control_settings;
 use junit::TestSuite;
 use listing::{ProgramListing, locators};
-use observer::{RunObserver, side_by_side, write_tables};
+use observer::{RunObserver, write_tables};
 use page::{PageContent, SurfaceFormat};
 use run_figures::{compare, measure};
 use run_tables::TraceFiles;
@@ -154,47 +157,43 @@ impl Simulate {
         let setup = Setup::of(job, &file)?;
         let surface = self.surface(setup.as_ref())?;
         let target = setup.as_ref().map_or(Ok(None), Setup::target)?;
-        let mut observers = [true, false].map(|shows| RunObserver::on(setup.as_ref(), shows));
-        observers
-            .iter_mut()
-            .for_each(|observer| observer.trace.follow(file.machine.as_ref().map(|named| named.machine)));
-        if self.report.is_some() {
-            observers[0].record_stock();
-        }
         let started = Instant::now();
         let mut adapted = self.once(|| adapted(&program, &file));
         let sent = for_memory(&program, &adapted, &file)?;
-        let mut simulation = in_memory(&file, &sent.text, ControllerFault::None)?;
-        simulation.set_planned_conditions(foreseen(&program, &adapted, &file));
-        let mut before = unadapted(&file, &program, foreseen_before(&program, &adapted, &file))?;
+        // Tables of a trace are written for each run.
+        let mut runs = BothRuns::new((&file, setup.as_ref()), &program, (&adapted, &sent), !traces.is_empty())?;
+        if self.report.is_some() {
+            runs.observers_mut().take(1).for_each(RunObserver::record_stock);
+        }
         // The runs need the text alone.
         adapted.blocks = Vec::new();
-        write_tables(&mut observers, &traces, || locators(&program, &adapted, &sent.text, &sent.line_ends))?;
+        write_tables(runs.observers_mut(), &traces, || locators(&program, &adapted, &sent.text, &sent.line_ends))?;
         // Results are written and printed even if a later step fails.
-        let [after, original] = side_by_side(&mut observers, [&mut simulation, &mut before]);
-        let mut report = measure(&simulation, &file.job);
-        report.real_time_factor = Some(simulation.now().to_s() / after.ended.duration_since(started).as_secs_f64());
-        let mut ended = after.result.and(original.result);
+        let ObservedEnd { result: mut ended, ended: at } = runs.simulate();
+        let pair = runs.pair();
+        let (simulations, observers) = (pair.map(|run| &run.simulation), pair.map(|run| &run.observer));
+        let [simulation, before] = simulations;
+        let mut report = measure(simulation, &file.job);
+        report.real_time_factor = Some(simulation.now().to_s() / at.duration_since(started).as_secs_f64());
         let title = format!("{}: simulated", file.program.display());
-        let executed = [&simulation, &before].map(|run| run.control().executed());
+        let executed = simulations.map(|run| run.control().executed());
         let listing = ProgramListing::new(&program, &adapted, &sent, executed);
         let (mut deviation, mut marks, mut spindle) = (None, Vec::new(), None);
         if ended.is_ok() {
-            compare(&mut report, measure(&before, &file.job));
+            compare(&mut report, measure(before, &file.job));
             if let Some(setup) = &setup {
                 let pairs = listing.pairs();
-                (deviation, marks) = add_cuts(&mut report, (file.job.unit, &pairs), setup, &observers, target.as_ref());
+                (deviation, marks) = add_cuts(&mut report, (file.job.unit, &pairs), setup, observers, target.as_ref());
             }
-            spindle = add_spindle(&mut report, &file, setup.as_ref(), &observers);
+            spindle = add_spindle(&mut report, &file, setup.as_ref(), observers);
         }
         if let (Some((path, format)), Some(after)) = (surface, &observers[0].cutter) {
             ended = ended.and(format.write(after.stock(), path));
         }
         if let Some(path) = &self.report {
-            let runs = observers.each_ref();
-            let chips = [&simulation, &before].map(|run| run.meter().moves());
+            let chips = simulations.map(|run| run.meter().moves());
             let (title, listing, report, job) = (&title, &listing, &report, &file.job);
-            let shown = PageContent { title, listing, report, job, runs, chips, deviation, marks };
+            let shown = PageContent { title, listing, report, job, runs: observers, chips, deviation, marks };
             ended = ended.and(shown.write(path));
         }
         let evidence = Evidence {
@@ -260,10 +259,10 @@ fn add_cuts(
     report: &mut RunReport,
     (unit, pairs): (LengthUnit, &BlockPairs),
     setup: &Setup<'_>,
-    observers: &[RunObserver; 2],
+    observers: [&RunObserver; 2],
     target: Option<&Stock>,
 ) -> (Option<(HeightMap, DeviationFigures)>, Vec<WallMark>) {
-    let [Some(after), Some(before)] = observers.each_ref().map(|observer| &observer.cutter) else {
+    let [Some(after), Some(before)] = observers.map(|observer| &observer.cutter) else {
         return (None, Vec::new());
     };
     let mut material = material_figures::figures((unit, pairs), setup, after, before);
@@ -272,7 +271,7 @@ fn add_cuts(
     material.deviation = deviation.as_ref().map(|(_, figures)| *figures);
     report.material = Some(material);
     let mut marks = Vec::new();
-    if let [Some(after), Some(before)] = observers.each_ref().map(|observer| observer.loads.as_ref()) {
+    if let [Some(after), Some(before)] = observers.map(|observer| observer.loads.as_ref()) {
         let mut loads = load_figures::figures((unit, pairs), after, before);
         if let Some(truth) = &setup.truth {
             marks = truth.marks(after);
@@ -290,10 +289,10 @@ fn add_spindle(
     report: &mut RunReport,
     file: &JobFile,
     setup: Option<&Setup<'_>>,
-    observers: &[RunObserver; 2],
+    observers: [&RunObserver; 2],
 ) -> Option<SpindleLoad> {
     let load = |observer: &RunObserver| SpindleLoad::of(&file.job, setup?, observer);
-    if let (Some(setup), [Some(after), Some(before)]) = (setup, observers.each_ref().map(load)) {
+    if let (Some(setup), [Some(after), Some(before)]) = (setup, observers.map(load)) {
         let figures = spindle_load::figures(file, setup, [&after, &before]);
         figures.warnings().iter().for_each(|warning| note(format_args!("warning: {warning}")));
         report.spindle = Some(figures);

@@ -19,7 +19,6 @@ use super::progress_line::ProgressLine;
 use super::run_tables::{RunTables, TraceFiles};
 use super::setup::Setup;
 use super::stock_frames::StockFrames;
-use crate::clock::Instant;
 use crate::console::{self, Progress};
 
 /// Longest simulated run: a program that takes longer does not end.
@@ -144,41 +143,16 @@ impl RunObserver {
 ///
 /// # Errors
 /// A file cannot be written.
-pub fn write_tables<const N: usize>(
-    observers: &mut [RunObserver; N],
+pub fn write_tables<'o>(
+    observers: impl Iterator<Item = &'o mut RunObserver>,
     files: &[TraceFiles],
-    locators: impl FnOnce() -> [BlockLocator; N],
+    locators: impl FnOnce() -> [BlockLocator; 2],
 ) -> Result<(), Failure> {
     if files.is_empty() {
         return Ok(());
     }
-    let mut runs = observers.iter_mut().zip(files).zip(locators());
+    let mut runs = observers.zip(files).zip(locators());
     runs.try_for_each(|((observer, files), locator)| observer.write_tables(files, Some(locator)))
-}
-
-/// End of a run: whether it was reached, and when.
-pub struct ObservedEnd {
-    /// Whether the run reached its end, or why not.
-    pub result: Result<(), Failure>,
-    /// Wall time of the end.
-    pub ended: Instant,
-}
-
-/// Simulates two runs to their ends, at the same time if the system has threads. Only the first shows its progress.
-pub fn side_by_side([first, second]: &mut [RunObserver; 2], [one, other]: [&mut Simulation; 2]) -> [ObservedEnd; 2] {
-    let run = |observer: &mut RunObserver, simulation: &mut Simulation| ObservedEnd {
-        result: observer.run(simulation),
-        ended: Instant::now(),
-    };
-    if cfg!(target_family = "wasm") {
-        return [run(first, one), run(second, other)];
-    }
-    let capture = console::capture();
-    std::thread::scope(|scope| {
-        let other = scope.spawn(|| console::captured(capture, || run(second, other)));
-        let one = run(first, one);
-        [one, other.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))]
-    })
 }
 
 /// Simulates a run to its end and calls `observe` after each millisecond, which may end the run earlier. `takes_long` is the name under
