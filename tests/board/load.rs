@@ -20,7 +20,7 @@ use crate::runs::{Example, prepare, try_prepare};
 const LOAD_PERCENT: i64 = 95;
 /// Periods from cycle start on in lockstep: the first arcs under their law, with segments coming in behind them.
 const PERIODS: u32 = 8_000;
-/// The order not to start its watchdog.
+/// The order not to start its watchdog, and not to sleep.
 const WITHOUT_WATCHDOG: u8 = b'w';
 /// Number of timer ticks of a board before it is judged; the time is that of this machine.
 const FREE_TICKS: u32 = 4_000;
@@ -78,7 +78,8 @@ fn in_lockstep(example: &Example, load_percent: i64) -> (Costs, [u64; 2]) {
 
 /// Figures of a board that ticks by its timer, and the bytes it got on its link for each 100 ticks. Its clock is that of its
 /// instructions, much faster than the wall's: what comes on the link comes at every phase of the tick, as fast as the emulator
-/// takes it. Without its watchdog: where waiting takes no time the emulator may wait through all of its time-out at once.
+/// takes it. Without its watchdog and without sleep: where waiting takes no time the emulator may wait through all of a time-out at once, and
+/// beside programs of real time past a tick.
 fn by_timer(is_loaded: bool) -> (Costs, u64) {
     let mut board = Emulator::start(OBEYING, Clock::Counted);
     board.order(WITHOUT_WATCHDOG);

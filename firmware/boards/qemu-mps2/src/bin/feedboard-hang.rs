@@ -57,7 +57,7 @@ extern "C" fn UART4_RX() {
         }
         // The tick stops.
         Some(b't') => timer::stop(),
-        // The watchdog does not start.
+        // The watchdog does not start, and the main loop does not sleep.
         Some(b'w') => IS_GUARDED.store(false, Ordering::Relaxed),
         // A fault of the core.
         Some(b'f') => cortex_m::asm::udf(),
