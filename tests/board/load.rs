@@ -20,8 +20,8 @@ use crate::runs::{Example, prepare, try_prepare};
 const LOAD_PERCENT: i64 = 95;
 /// Periods from cycle start on in lockstep: the first arcs under their law, with segments coming in behind them.
 const PERIODS: u32 = 8_000;
-/// The order not to start its watchdog, and not to sleep.
-const WITHOUT_WATCHDOG: u8 = b'w';
+/// The order to a board that is measured: no watchdog, no sleep.
+const MEASURED: u8 = b'w';
 /// Number of timer ticks of a board before it is judged; the time is that of this machine.
 const FREE_TICKS: u32 = 4_000;
 /// Interval between two readings of its log.
@@ -82,7 +82,7 @@ fn in_lockstep(example: &Example, load_percent: i64) -> (Costs, [u64; 2]) {
 /// beside programs of real time past a tick.
 fn by_timer(is_loaded: bool) -> (Costs, u64) {
     let mut board = Emulator::start(OBEYING, Clock::Counted);
-    board.order(WITHOUT_WATCHDOG);
+    board.order(MEASURED);
     std::thread::sleep(LOOK);
     let (began, mut bytes) = (Instant::now(), 0);
     let mut line = PlainLine::new();
@@ -102,7 +102,7 @@ fn by_timer(is_loaded: bool) -> (Costs, u64) {
         looked = Instant::now();
         // The first word is the link's: the board runs free. An emulator may hold back what came before a line was set up, until
         // more comes.
-        board.order(WITHOUT_WATCHDOG);
+        board.order(MEASURED);
         board.put(Wire::Link, &[0]).expect("the line is open");
         bytes += 1;
         if let Some(costs) = costs(OBEYING, &board.console()).filter(|costs| costs.ticks >= FREE_TICKS) {

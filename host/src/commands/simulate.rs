@@ -163,13 +163,13 @@ impl Simulate {
         // Tables of a trace are written for each run.
         let mut runs = BothRuns::new((&file, setup.as_ref()), &program, (&adapted, &sent), !traces.is_empty())?;
         if self.report.is_some() {
-            runs.observers_mut().take(1).for_each(RunObserver::record_stock);
+            runs.record_stock();
         }
         // The runs need the text alone.
         adapted.blocks = Vec::new();
         write_tables(runs.observers_mut(), &traces, || locators(&program, &adapted, &sent.text, &sent.line_ends))?;
         // Results are written and printed even if a later step fails.
-        let ObservedEnd { result: mut ended, ended: at } = runs.simulate();
+        let ObservedEnd { result: mut ended, at } = runs.simulate();
         let pair = runs.pair();
         let (simulations, observers) = (pair.map(|run| &run.simulation), pair.map(|run| &run.observer));
         let [simulation, before] = simulations;

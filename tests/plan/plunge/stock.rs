@@ -213,13 +213,13 @@ pub fn no_mark_is_in_blades_or_hub(planned: &Planned, stock: &Stock) {
     // Places follow one another along rows of rays.
     let mut last = [None; 2];
     let mut from_blades = |place: &Point| {
-        let mut from = |side: WallSide| {
-            let last = &mut last[usize::from(side == WallSide::Right)];
+        let sides = [WallSide::Left, WallSide::Right].into_iter().zip(&mut last);
+        let distances_mm = sides.map(|(side, last)| {
             let (distance_mm, on) = planned.field.distance_after(side, place, *last);
             *last = Some(on);
             distance_mm
-        };
-        from(WallSide::Left).min(from(WallSide::Right))
+        });
+        distances_mm.fold(f64::INFINITY, f64::min)
     };
     let mut found: Vec<(f64, Point)> = places.iter().map(|place| (from_blades(place), *place)).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));

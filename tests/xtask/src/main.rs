@@ -111,7 +111,7 @@ fn test(selection: &Selection) -> ExitCode {
         let panicked = || Err(Failure::new("the check of the Python package panicked"));
         (tests, python.map(|python| python.join().unwrap_or_else(|_| panicked())))
     });
-    let python = python.transpose().map(|checked| checked.into_iter().for_each(|checked| tally.add_python(checked)));
+    let python = python.map_or(Ok(()), |checked| checked.map(|checked| tally.add_python(checked)));
     let steps = [programs, modules, tests, python, target, boards, firmware];
     let failures: Vec<Failure> = steps.into_iter().filter_map(Result::err).collect();
     for failure in &failures {

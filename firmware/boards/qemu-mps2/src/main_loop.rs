@@ -92,20 +92,20 @@ impl<const N: usize> Main<N> {
 
     /// Runs the board forever, with the watchdog from the start.
     pub fn run(self) -> ! {
-        self.run_guarded(|| true)
+        self.run_measured(|| false)
     }
 
-    /// Runs the board forever; the watchdog starts when `is_guarded` returns true for the first time. Only a test
-    /// image delays it; until then the board does not sleep either.
-    pub fn run_guarded(mut self, is_guarded: fn() -> bool) -> ! {
+    /// Runs the board forever. As long as `is_measured` returns true, no watchdog starts and the board does not sleep; it is only true in a
+    /// test image.
+    pub fn run_measured(mut self, is_measured: fn() -> bool) -> ! {
         let mut lockstep = Lockstep::new();
         // SAFETY: the tick's data are initialised.
         unsafe { enable(Interrupt::Timer0, Priority::First) };
         loop {
             match lockstep.mode(&mut self.lines) {
                 Some(ModeCode::Lockstep) => self.keep_step(lockstep),
-                Some(ModeCode::Free) => self.run_free(is_guarded),
-                None if self.lines.waiting(BoardLine::Link) > 0 => self.run_free(is_guarded),
+                Some(ModeCode::Free) => self.run_free(is_measured),
+                None if self.lines.waiting(BoardLine::Link) > 0 => self.run_free(is_measured),
                 None => self.lines.sleep(),
             }
         }
@@ -131,7 +131,7 @@ impl<const N: usize> Main<N> {
     }
 
     /// A tick every millisecond.
-    fn run_free(mut self, is_guarded: fn() -> bool) -> ! {
+    fn run_free(mut self, is_measured: fn() -> bool) -> ! {
         cortex_m::interrupt::free(|_| {
             let _count = forward(&mut self.front, &mut self.lines, Micros(0));
             // SAFETY: interrupts are held back.
@@ -152,14 +152,14 @@ impl<const N: usize> Main<N> {
             self.front.run(now);
             self.speak_link(now);
             self.log();
-            let (ticks, is_guarded) = (costs().ticks, is_guarded());
-            if ticks > 0 && is_guarded {
+            let (ticks, is_measured) = (costs().ticks, is_measured());
+            if ticks > 0 && !is_measured {
                 // Behind the first tick: nothing was put out before it. SAFETY: the image has the handler of the board's last act.
                 watchdog.get_or_insert_with(|| unsafe { Watchdog::start() }).feed_after_tick(ticks);
             }
-            // The next tick wakes it, if nothing else does. A board without watchdog is one that is measured: the emulator's clock jumps over a
-            // sleep, at times past the tick, so it does not sleep.
-            if is_guarded {
+            // The next tick wakes it, if nothing else does. The emulator's clock jumps over a sleep, at times past the tick: a board that is
+            // measured does not sleep.
+            if !is_measured {
                 cortex_m::asm::wfi();
             }
         }

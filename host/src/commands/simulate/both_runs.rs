@@ -29,7 +29,7 @@ pub struct ObservedEnd {
     /// Whether the run reached its end, or why not.
     pub result: Result<(), Failure>,
     /// Wall time of the end.
-    pub ended: Instant,
+    pub at: Instant,
 }
 
 /// Runs of the adapted and of the original program.
@@ -41,7 +41,7 @@ pub struct BothRuns {
 
 impl ObservedRun {
     fn simulate(&mut self) -> ObservedEnd {
-        ObservedEnd { result: self.observer.run(&mut self.simulation), ended: Instant::now() }
+        ObservedEnd { result: self.observer.run(&mut self.simulation), at: Instant::now() }
     }
 }
 
@@ -76,6 +76,11 @@ impl BothRuns {
         after.set_planned_conditions(of_after);
         let before = may_differ.then(|| unadapted(file, program, of_before)).transpose()?;
         Ok(BothRuns { after: observed(after, true), before: before.map(|before| observed(before, false)) })
+    }
+
+    /// Lets the run of the adapted program record its stock, for the viewer.
+    pub fn record_stock(&mut self) {
+        self.after.observer.record_stock();
     }
 
     /// Observers of the runs, or of the one run.
