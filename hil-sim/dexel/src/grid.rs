@@ -9,9 +9,9 @@ use arcfeed_kinematics::vector::Vector;
 use rayon::iter::{IndexedParallelIterator, IntoParallelIterator, ParallelIterator};
 use rayon::slice::ParallelSliceMut;
 
+use super::band::Losses;
 use super::dexel::{Dexel, Interval, NOWHERE, Taken};
 use super::lattice::Lattice;
-use super::level::Losses;
 use super::sweep::{LayersCut, Pass, Reach, RowCut};
 
 /// All rays along one axis of a lattice, each with its material.
@@ -133,6 +133,7 @@ impl Grid {
                         rays.cut(&reach, |column, dexel| dexel.take(row.loss(column_mm(column))));
                     }
                     RowCut::Layer(row) => rays.lose(&reach, |column| row.losses(column_mm(column))),
+                    RowCut::Ball(row) => rays.cut(&reach, |column, dexel| dexel.take(row.loss(column_mm(column)))),
                     RowCut::Upright(mut row) => {
                         let reach = rays.lose_alike(&reach, alike(row.alike()));
                         rays.lose(&reach, |column| row.losses(column_mm(column)));
@@ -399,7 +400,9 @@ mod tests {
     fn tilted_sweeps_leave_what_each_ray_loses_by_itself() {
         let block = Block { lowest_mm: [0.0; 3], highest_mm: [20.0, 9.0, 6.0] };
         let ring = Tool::ring([14.0, 11.5], 0.5, 20.0, 0.01).unwrap();
-        for axis_mm in [[0.3, 0.2, 0.93], [0.0, 0.3, 0.95], [-0.8, 0.1, 0.6]] {
+        let ball = Tool::ball(3.0, 20.0, 0.01).unwrap();
+        let tilts = [[0.3, 0.2, 0.93], [0.0, 0.3, 0.95], [-0.8, 0.1, 0.6]];
+        for (tool, axis_mm) in [&ring, &ball].into_iter().flat_map(|tool| tilts.map(|axis_mm| (tool, axis_mm))) {
             let axis = unit(axis_mm).unwrap();
             // The wall passes through the block, whose middle is first outside of it and then in the hole, on two levels.
             let at =
@@ -414,7 +417,7 @@ mod tests {
                 let whole = Stock::new(&block, 0.25, 1 << 26).unwrap().grids()[ray_axis].clone();
                 let [width, height] = whole.lattice.size(ray_axis);
                 let mut expected = whole.clone();
-                for pass in passes(&ring, &sweeps, ray_axis) {
+                for pass in passes(tool, &sweeps, ray_axis) {
                     for (column, row) in (0..height).flat_map(|row| (0..width).map(move |column| (column, row))) {
                         for span in pass.spans(point_mm(&whole.lattice, ray_axis, [column, row])) {
                             expected.dexels[row * width + column].subtract(span);
@@ -425,7 +428,7 @@ mod tests {
                 for size in [1, 40] {
                     let mut together = whole.clone();
                     for some in sweeps.chunks(size) {
-                        together.cut(&passes(&ring, some, ray_axis));
+                        together.cut(&passes(tool, some, ray_axis));
                     }
                     let pairs = together.dexels().iter().zip(expected.dexels());
                     let most_mm =

@@ -7,26 +7,16 @@
 //! reached: distance to the way <= R, and distance to one of its ends >= r        (1)
 //! ```
 //!
-//! Along the axis (1) is asked for the heights: [`monotone`](super::monotone). Across it the disc sweeps a band with round ends. A
-//! line at the coordinate y across itself, in the plane of x along it and y, leaves the band at the disc of an end or at the border
-//! between the discs. With the ends a and b, a.y <= b.y, and the direction (ux, uy) from a to b:
-//!
-//! ```text
-//! c = R ux
-//! highest x:  y < a.y - c: disc at a;  y >= b.y - c: disc at b;  else a.x + R uy + (y - a.y + c) ux / uy        (2)
-//! lowest x:   y <= a.y + c: disc at a; y > b.y + c: disc at b;   else a.x - R uy + (y - a.y - c) ux / uy        (3)
-//! ```
+//! Along the axis (1) is asked for the heights: [`monotone`](super::monotone). Across it the disc sweeps a [`band`](super::band).
 //!
 //! Source: own derivation.
 
+use super::band::{Band, Losses};
 use super::dexel::{Interval, NOWHERE};
 use super::flat::Row;
 use super::lattice::Lattice;
 use super::monotone::{MonotonePart, Radii};
 use super::section::Sweep;
-
-/// The at most two intervals that a ray loses in a cut; an unused one ends before it begins.
-pub type Losses = [Interval; 2];
 
 /// Distance from a border of a part beyond which rounding cannot show on which side of it a ray is.
 const BORDER_MM: f64 = 1e-4;
@@ -43,16 +33,6 @@ pub struct Level<'a> {
     ends_mm: [[f64; 3]; 2],
     /// The way for lines along the rays or, of rays along the axis, along the columns.
     band: Band,
-}
-
-/// The way in the plane of a line along x and of y across it.
-#[derive(Clone, Copy, Debug)]
-struct Band {
-    /// Ends of the way, the one with the lower y first.
-    ends_mm: [[f64; 2]; 2],
-    direction: [f64; 2],
-    /// ux / uy; 0 along the line, where it is not used.
-    per_y: f64,
 }
 
 /// Cut of a row of rays that are parallel to the tool's axis.
@@ -122,7 +102,7 @@ impl<'a> Level<'a> {
         let chord = self.band.chord(row_mm, outer_mm)?;
         if ray_axis != self.axis {
             // Only where the part is wide enough to come to the row.
-            let [low_mm, high_mm] = self.band.ends_mm.map(|[_, off_mm]| off_mm);
+            let [low_mm, high_mm] = self.band.ends_mm().map(|[_, off_mm]| off_mm);
             let off_mm = (low_mm - row_mm).max(row_mm - high_mm).max(0.0);
             let across = wider(self.stretch(&self.part.wide(off_mm)?), margin_mm);
             return Some(Row { across, hollow: None, along: chord });
@@ -192,63 +172,6 @@ impl<'a> Level<'a> {
 
 fn wider(interval: Interval, by_mm: f64) -> Interval {
     Interval::new(interval.from_mm - by_mm, interval.to_mm + by_mm)
-}
-
-impl Band {
-    fn new([from_mm, to_mm]: [[f64; 2]; 2]) -> Self {
-        let is_in_order = (from_mm[1], from_mm[0]) <= (to_mm[1], to_mm[0]);
-        let ends_mm = if is_in_order { [from_mm, to_mm] } else { [to_mm, from_mm] };
-        let way_mm = [ends_mm[1][0] - ends_mm[0][0], ends_mm[1][1] - ends_mm[0][1]];
-        let length_mm = libm::sqrt(way_mm[0] * way_mm[0] + way_mm[1] * way_mm[1]);
-        let direction = if length_mm > 0.0 { way_mm.map(|part| part / length_mm) } else { [1.0, 0.0] };
-        let per_y = if way_mm[1] > 0.0 { way_mm[0] / way_mm[1] } else { 0.0 };
-        Band { ends_mm, direction, per_y }
-    }
-
-    /// From the first to the last place of a line that a disc reaches. (2), (3)
-    #[inline]
-    fn chord(&self, off_mm: f64, radius_mm: f64) -> Option<Interval> {
-        let [[ax, ay], [bx, by]] = self.ends_mm;
-        let [c, wide_mm] = self.direction.map(|part| part * radius_mm);
-        let [off_a, off_b] = [off_mm - ay, off_mm - by];
-        let half_mm = |off_mm: f64| libm::sqrt(radius_mm * radius_mm - off_mm * off_mm);
-        let high_mm = if off_a < -c {
-            ax + half_mm(off_a)
-        } else if off_b >= -c {
-            bx + half_mm(off_b)
-        } else {
-            ax + wide_mm + (off_a + c) * self.per_y
-        };
-        let low_mm = if off_a <= c {
-            ax - half_mm(off_a)
-        } else if off_b > c {
-            bx - half_mm(off_b)
-        } else {
-            ax - wide_mm + (off_a - c) * self.per_y
-        };
-        // NaN where the line passes the band.
-        (low_mm <= high_mm).then_some(Interval::new(low_mm, high_mm))
-    }
-
-    /// Part of a line that is in a hole over the whole way.
-    fn hollow(&self, off_mm: f64, radius_mm: f64) -> Option<Interval> {
-        let [at_a, at_b] = self.ends_mm.map(|[x, y]| {
-            let half_mm = libm::sqrt(radius_mm * radius_mm - (off_mm - y) * (off_mm - y));
-            Interval::new(x - half_mm, x + half_mm)
-        });
-        let is_real = at_a.from_mm <= at_a.to_mm && at_b.from_mm <= at_b.to_mm;
-        Some(at_a.common(&at_b)).filter(|common| is_real && common.length_mm() > 0.0)
-    }
-
-    /// (1) on a line.
-    #[inline]
-    fn losses(&self, off_mm: f64, radii: &Radii) -> Losses {
-        let Some(chord) = self.chord(off_mm, radii.outer_mm) else { return [NOWHERE; 2] };
-        match radii.inner_mm.and_then(|inner_mm| self.hollow(off_mm, inner_mm)) {
-            None => [chord, NOWHERE],
-            Some(hollow) => [Interval { to_mm: hollow.from_mm, ..chord }, Interval { from_mm: hollow.to_mm, ..chord }],
-        }
-    }
 }
 
 /// Between 0 and 1. As comparisons: what is no number does not occur, and need not be kept.

@@ -27,7 +27,11 @@ pub mod section;
 
 pub mod flat;
 
+pub mod band;
+
 pub mod level;
+
+pub mod ball;
 
 mod slab_shape;
 

@@ -7,19 +7,22 @@
 //! stretch of the ray between the slab's two planes and within that cylinder, if its material is not all in the hole, or outside
 //! (`slab_shape`). The same is asked of the rectangle about the material of neighbouring rays before it is of each of them.
 //!
-//! If the motion is perpendicular to such an axis, all slabs of a monotone part are cut at once: [`level`](super::level).
+//! If the motion is perpendicular to such an axis, all slabs of a monotone part are cut at once: [`level`](super::level). On all other ways the
+//! ball of a ball end mill is cut at once too, as what it is: [`ball`](super::ball).
 
 use std::ops::Range;
 
 use arcfeed_kinematics::vector::Vector;
 
+use super::ball::{BallRow, BallSweep};
+use super::band::Losses;
 use super::dexel::{Dexel, Interval, NOWHERE};
 use super::flat::Row;
 use super::lattice::Lattice;
-use super::level::{AxialRow, LayerRow, Level, Losses, UprightRow};
+use super::level::{AxialRow, LayerRow, Level, UprightRow};
 use super::section::Sweep;
 use super::slab_shape::{MARGIN_MM, SlabShape};
-use super::tool::{Slab, Tool};
+use super::tool::Tool;
 
 /// Part of a tool on one straight sweep, with its bounding box, prepared for rays of one direction.
 #[derive(Clone, Copy, Debug)]
@@ -37,6 +40,8 @@ pub struct Pass<'a> {
 enum Shape<'a> {
     /// All slabs of a monotone part, on a level.
     Level(Level<'a>),
+    /// The ball of a ball end mill, on any way.
+    Ball(BallSweep),
     /// One slab, on any way.
     Slab(SlabShape),
 }
@@ -50,6 +55,8 @@ pub enum RowCut<'a> {
     Layer(LayerRow),
     /// The rays are perpendicular to the tool's axis and lie one above the other.
     Upright(UprightRow<'a>),
+    /// The pass moves a ball.
+    Ball(BallRow<'a>),
     /// Any other direction: each ray is computed on its own.
     Rays(&'a Pass<'a>),
 }
@@ -128,26 +135,28 @@ impl Reach {
 }
 
 /// Passes of all parts of a tool over all sweeps, for rays along `ray_axis`. Slabs of the tool that can be cut together are one
-/// pass.
+/// pass, and so is a ball.
 pub fn passes<'a>(tool: &'a Tool, sweeps: &[Sweep], ray_axis: usize) -> Vec<Pass<'a>> {
     let mut passes = Vec::with_capacity(sweeps.len() * tool.slabs().len());
     for sweep in sweeps {
-        let pass = |heights_mm: [f64; 2], radius_mm: f64, shape: Shape<'a>| {
-            let corners_mm = [-1.0, 1.0].map(|side| corner_mm(sweep, heights_mm, radius_mm, side));
-            Pass { ray_axis, corners_mm, motion_mm: sweep.motion_mm(), shape }
-        };
+        let pass = |corners_mm, shape| Pass { ray_axis, corners_mm, motion_mm: sweep.motion_mm(), shape };
+        let around = |heights_mm, radius_mm| [-1.0, 1.0].map(|side| corner_mm(sweep, heights_mm, radius_mm, side));
         let levels = tool.parts().iter().filter_map(|part| {
             let level = Level::new(part, sweep, ray_axis)?;
-            Some(pass(part.heights_mm(), part.extreme_radii().outer_mm, Shape::Level(level)))
+            Some(pass(around(part.heights_mm(), part.extreme_radii().outer_mm), Shape::Level(level)))
         });
         let before = passes.len();
         passes.extend(levels);
         if passes.len() == before {
-            let slab = |slab: &Slab| {
-                let radius_mm = slab.outer_mm[0].max(slab.outer_mm[1]);
-                pass(slab.heights_mm, radius_mm, Shape::Slab(SlabShape::new(slab, sweep, ray_axis)))
-            };
-            passes.extend(tool.slabs().iter().map(slab));
+            let (ball_mm, slabs) = tool.ball_and_slabs();
+            passes.extend(ball_mm.map(|radius_mm| {
+                let ball = BallSweep::new(radius_mm, sweep, ray_axis);
+                pass(BallSweep::corners_mm(radius_mm, sweep, MARGIN_MM), Shape::Ball(ball))
+            }));
+            passes.extend(slabs.iter().map(|slab| {
+                let shape = SlabShape::new(slab, sweep, ray_axis);
+                pass(around(slab.heights_mm, slab.outer_mm[0].max(slab.outer_mm[1])), Shape::Slab(shape))
+            }));
         }
     }
     passes
@@ -201,6 +210,7 @@ impl Pass<'_> {
         let axes = [self.ray_axis, column_axis];
         let Row { across, hollow, along } = match &self.shape {
             Shape::Level(level) => level.reach(axes, row_mm, MARGIN_MM)?,
+            Shape::Ball(ball) => ball.narrowed(self.boxed(row_mm)?, row_mm, MARGIN_MM)?,
             Shape::Slab(SlabShape { flat: Some(flat), .. }) => flat.narrowed(self.boxed(row_mm)?, axes, row_mm)?,
             Shape::Slab(_) => self.boxed(row_mm)?,
         };
@@ -233,6 +243,7 @@ impl Pass<'_> {
         let [column_axis, row_axis] = Lattice::across(self.ray_axis);
         match &self.shape {
             Shape::Slab(_) => RowCut::Rays(self),
+            Shape::Ball(ball) => RowCut::Ball(ball.row(row_mm)),
             Shape::Level(level) if level.axis() == row_axis => RowCut::Layer(level.layer_row(row_mm)),
             Shape::Level(level) if level.axis() == column_axis => RowCut::Upright(level.upright_row(row_mm)),
             Shape::Level(level) => RowCut::Axial(level.axial_row(column_axis, row_mm)),
@@ -252,13 +263,14 @@ impl Pass<'_> {
         Some(LayersCut { rows, first: columns.start, losses: columns.map(|column| loss(column_mm(column))).collect() })
     }
 
-    /// Intervals that a ray loses on a level; `None` for single slabs.
+    /// Intervals that a ray loses on a level, or to a ball; `None` for single slabs.
     fn losses(&self, ray_point_mm: &Vector) -> Option<Losses> {
         let [column_mm, row_mm] = Lattice::across(self.ray_axis).map(|axis| ray_point_mm[axis]);
         match self.row_cut(row_mm) {
             RowCut::Axial(row) => Some([row.loss(column_mm), NOWHERE]),
             RowCut::Layer(row) => Some(row.losses(column_mm)),
             RowCut::Upright(mut row) => Some(row.losses(column_mm)),
+            RowCut::Ball(row) => Some([row.loss(column_mm), NOWHERE]),
             RowCut::Rays(_) => None,
         }
     }
@@ -267,7 +279,7 @@ impl Pass<'_> {
     pub fn may_cut(&self, ray_point_mm: &Vector, dexel: &Dexel) -> bool {
         match &self.shape {
             // The loss itself is as fast to compute as this test.
-            Shape::Level(_) => true,
+            Shape::Level(_) | Shape::Ball(_) => true,
             Shape::Slab(shape) => match &shape.flat {
                 Some(flat) => flat.may_cut(self.ray_axis, ray_point_mm, dexel),
                 None => shape.is_near(self.ray_axis, ray_point_mm),
@@ -285,7 +297,7 @@ impl Pass<'_> {
     pub fn may_cut_between(&self, ray_points_mm: [Vector; 2], extent: &Interval) -> bool {
         match &self.shape {
             Shape::Slab(shape) => shape.may_cut_rectangle(self.ray_axis, ray_points_mm, extent),
-            Shape::Level(_) => true,
+            Shape::Level(_) | Shape::Ball(_) => true,
         }
     }
 

@@ -12,6 +12,8 @@ pub use super::slab::Slab;
 pub struct Tool {
     slabs: Vec<Slab>,
     parts: Vec<MonotonePart>,
+    /// Radius of the ball whose lower half the slabs below its centre replace, if its upper half is in the slabs above it.
+    ball_mm: Option<f64>,
     middle_mm: f64,
     reach_mm: f64,
 }
@@ -44,7 +46,7 @@ impl Tool {
         let from_middle = |knot: &Knot| libm::hypot(knot.radius_mm, knot.height_mm - middle_mm);
         let reach_mm = outside.knots().iter().map(from_middle).fold(0.0, f64::max);
         let parts = MonotonePart::all(&slabs);
-        Ok(Tool { slabs, parts, middle_mm, reach_mm })
+        Ok(Tool { slabs, parts, ball_mm: None, middle_mm, reach_mm })
     }
 
     /// Flat end mill.
@@ -55,7 +57,8 @@ impl Tool {
         Tool::new(&edge(radius_mm, 0.0, height_mm, 1.0)?, None)
     }
 
-    /// Ball end mill; the ball is replaced by cones within the tolerance.
+    /// Ball end mill. On a level the ball is replaced by cones within the tolerance, on other ways only if the mill is lower than the
+    /// ball.
     ///
     /// # Errors
     /// The ball is higher than the tool.
@@ -69,7 +72,9 @@ impl Tool {
     /// The corner is larger than the tool.
     pub fn bull_nose(radii_mm: [f64; 2], height_mm: f64, tolerance_mm: f64) -> Result<Self, ProfileError> {
         let [radius_mm, corner_mm] = radii_mm;
-        Tool::new(&edge(radius_mm, -corner_mm, height_mm, tolerance_mm)?, None)
+        let tool = Tool::new(&edge(radius_mm, -corner_mm, height_mm, tolerance_mm)?, None)?;
+        let is_ball = radius_mm == corner_mm && 2.0 * radius_mm <= height_mm;
+        Ok(Tool { ball_mm: is_ball.then_some(radius_mm), ..tool })
     }
 
     /// Ring of a cup mill; `radii_mm` are the outer and the inner radius, and `corner_mm` is the corner radius at both sides (0: square).
@@ -85,6 +90,13 @@ impl Tool {
     /// Slabs of the tool, from bottom to top: parts between two heights with conical walls.
     pub fn slabs(&self) -> &[Slab] {
         &self.slabs
+    }
+
+    /// The tool as a ball at its tip, by its radius, and the slabs above the centre of the ball; as all its slabs if it has no ball.
+    pub(super) fn ball_and_slabs(&self) -> (Option<f64>, &[Slab]) {
+        let below =
+            self.ball_mm.map_or(0, |radius_mm| self.slabs.partition_point(|slab| slab.heights_mm[0] < radius_mm));
+        (self.ball_mm, &self.slabs[below..])
     }
 
     /// Monotone parts of the tool, from bottom to top: groups of slabs whose walls only widen or only narrow.
