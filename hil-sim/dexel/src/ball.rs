@@ -58,8 +58,8 @@ impl BallSweep {
         [-1.0, 1.0].map(|side| center_mm.map(|at_mm| at_mm + side * (radius_mm + margin_mm)))
     }
 
-    /// Of a row that contains what the ball reaches at the coordinate `row_mm`, the columns that it reaches, widened by a margin; `None`
-    /// if it reaches none.
+    /// Part of `row`, the row of rays at the coordinate `row_mm`, with only the columns that the ball reaches, and a margin; `None` if it
+    /// reaches none.
     pub fn narrowed(&self, row: Row, row_mm: f64, margin_mm: f64) -> Option<Row> {
         let across = self.band.chord(row_mm, self.radius_mm + margin_mm)?;
         Some(Row { across, ..row })

@@ -153,7 +153,11 @@ impl Check {
         let of_run = whole.as_ref().and_then(|program| program.run_summary.clone());
         let path = of_run.unwrap_or(path);
         let of_unit = assumed.iter().map(|assumed| (assumed.warning(), assumed.line_of(&source.bytes)));
-        findings.add_all(decimals.warnings().into_iter().chain(path.warnings(&source.bytes)).chain(of_unit));
+        let again = |each: &mut dyn FnMut(&ProgramLine)| match &whole {
+            Some(program) => program.lines().for_each(|line| each(&line)),
+            None => drop(source.survey(false, each, |_, _| {})),
+        };
+        findings.add_all(decimals.warnings(again).into_iter().chain(path.warnings(&source.bytes)).chain(of_unit));
         findings.print();
         let path = PathFigures::new(&path);
         // The axis positions of a faulty program are unknown.

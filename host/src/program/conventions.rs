@@ -3,6 +3,7 @@
 
 use arcfeed_nc::alarm::Alarm;
 use arcfeed_nc::modal::MotionKind;
+use arcfeed_nc::reader::InterpretedLine;
 use arcfeed_nc::settings::{ArcCenters, Decimals, Settings};
 use arcfeed_nc::word::Word;
 use arcfeed_units::LengthUnit;
@@ -31,15 +32,12 @@ const PLANE_TINY: &str = "no X or Y of the program has a decimal point, and as l
 const ALL_TINY: &str = "no word of the program has a decimal point, and as least increments no coordinate is as large as 1 mm or \
                         0.1 in; read whole units with `--decimals calculator`";
 
-/// Survey of numbers with and without decimal points, for a control that counts numbers without one in least
-/// increments.
+/// Survey of numbers without decimal points, for a control that counts them in least increments.
 #[derive(Debug)]
 pub struct DecimalSurvey {
     unit: LengthUnit,
     is_asked: bool,
     count: usize,
-    /// Words with a point, by group and power of two of their value in least increments; zero does not count.
-    pointed: [[usize; 64]; GROUPS],
     /// A line that could not be read has a point.
     has_unread_points: bool,
     /// Words without a point, but for zero, by group.
@@ -48,6 +46,12 @@ pub struct DecimalSurvey {
     kept: Vec<PlainWord>,
     /// Largest word without a point, by group.
     largest: [i64; GROUPS],
+}
+
+/// Words with a decimal point, by group and power of two of their value in least increments; zero does not count.
+struct PointedWords {
+    unit: LengthUnit,
+    counts: [[usize; 64]; GROUPS],
 }
 
 #[derive(Debug)]
@@ -65,7 +69,6 @@ impl DecimalSurvey {
             unit: settings.unit,
             is_asked: settings.decimals == Decimals::LeastIncrement,
             count: 0,
-            pointed: [[0; 64]; GROUPS],
             has_unread_points: false,
             plain: [0; GROUPS],
             kept: Vec::new(),
@@ -79,51 +82,18 @@ impl DecimalSurvey {
         if !self.is_asked {
             return;
         }
-        let Some(meaning) = &line.meaning else {
-            self.has_unread_points |= line.text.contains(&b'.');
-            return;
-        };
-        let step = &meaning.step;
-        if step.dwell.is_some() || step.sets_data {
-            return;
-        }
-        let is_arc = step.motion.as_ref().is_some_and(|motion| matches!(motion.kind, MotionKind::Arc(_)));
-        for word in &meaning.parsed.block.words {
-            let group = match word.letter {
-                b'G' => {
-                    self.set_unit(word);
-                    continue;
-                }
-                b'R' if is_arc => ARCS,
-                b'R' if step.series.is_some() => DEPTHS,
-                b'X' => 0,
-                b'Y' => 1,
-                b'Z' => DEPTHS,
-                b'I' | b'J' | b'K' => ARCS,
-                b'A' | b'B' | b'C' => ANGLES,
-                _ => continue,
-            };
-            self.add_word(word, group, &line.text);
-        }
-    }
-
-    fn set_unit(&mut self, word: &Word) {
-        match word.number.as_whole() {
-            Some(20) => self.unit = LengthUnit::Inch,
-            Some(21) => self.unit = LengthUnit::Mm,
-            _ => {}
+        self.has_unread_points |= line.meaning.is_none() && line.text.contains(&b'.');
+        let Some(meaning) = with_coordinates(line) else { return };
+        for word in meaning.parsed.block.words.iter().filter(|word| !word.number.has_point()) {
+            if let Some(group) = group_of(word, meaning) {
+                self.add_word(word, group, &line.text);
+            }
         }
     }
 
     fn add_word(&mut self, word: &Word, group: usize, text: &[u8]) {
-        let increments_per_unit = if self.unit == LengthUnit::Inch && group != ANGLES { 10_000 } else { 1_000 };
-        let has_point = word.number.has_point();
-        let increments = word.number.scaled(if has_point { increments_per_unit } else { 1 }).saturating_abs();
+        let increments = word.number.scaled(1).saturating_abs();
         let Some(power) = increments.checked_ilog2().map(|power| power as usize) else { return };
-        if has_point {
-            self.pointed[group][power] += 1;
-            return;
-        }
         self.plain[group] += 1;
         self.largest[group] = self.largest[group].max(increments);
         if self.kept.len() < KEPT_MAX {
@@ -138,11 +108,17 @@ impl DecimalSurvey {
         self.plain.iter().sum()
     }
 
-    /// Warnings of numbers whose size shows that a decimal point is missing, each with the text of its line.
-    pub fn warnings(&self) -> Vec<(Diagnostic, &[u8])> {
-        let pointed: usize = self.pointed.iter().flatten().sum();
+    /// Warnings of numbers whose size shows that a decimal point is missing, each with the text of its line. `lines` passes on all lines
+    /// again: few programs have words without a point beside words with one, which are what takes time.
+    pub fn warnings(&self, lines: impl FnOnce(&mut dyn FnMut(&ProgramLine))) -> Vec<(Diagnostic, &[u8])> {
+        if self.kept.is_empty() {
+            return Vec::new();
+        }
+        let mut words = PointedWords { unit: self.unit, counts: [[0; 64]; GROUPS] };
+        lines(&mut |line| words.add(line));
+        let pointed: usize = words.counts.iter().flatten().sum();
         let is_tiny = |groups: &[usize]| {
-            let [plain, points] = [&self.plain, &self.pointed.map(|powers| powers.iter().sum())]
+            let [plain, points] = [&self.plain, &words.counts.map(|powers| powers.iter().sum())]
                 .map(|counts| groups.iter().map(|group| counts[*group]).sum::<usize>());
             let largest = groups.iter().map(|group| self.largest[*group]).max();
             !self.has_unread_points && points == 0 && plain >= HABIT_MIN && largest < Some(TINY)
@@ -161,10 +137,49 @@ impl DecimalSurvey {
         if pointed < HABIT_MIN.max(self.plain()) {
             return Vec::new();
         }
-        let medians = self.pointed.map(|powers| median(&powers));
+        let medians = words.counts.map(|powers| median(&powers));
         let is_far_smaller =
             |word: &&PlainWord| medians[word.group].is_some_and(|usual| word.power + FAR_SMALLER <= usual);
         self.kept.iter().filter(is_far_smaller).map(|word| word.warning(SMALL)).collect()
+    }
+}
+
+impl PointedWords {
+    fn add(&mut self, line: &ProgramLine) {
+        let Some(meaning) = with_coordinates(line) else { return };
+        for word in &meaning.parsed.block.words {
+            match (word.letter, word.number.as_whole()) {
+                (b'G', Some(20)) => self.unit = LengthUnit::Inch,
+                (b'G', Some(21)) => self.unit = LengthUnit::Mm,
+                _ => {}
+            }
+            let Some(group) = group_of(word, meaning).filter(|_| word.number.has_point()) else { continue };
+            let increments_per_unit = if self.unit == LengthUnit::Inch && group != ANGLES { 10_000 } else { 1_000 };
+            let increments = word.number.scaled(increments_per_unit).saturating_abs();
+            if let Some(power) = increments.checked_ilog2() {
+                self.counts[group][power as usize] += 1;
+            }
+        }
+    }
+}
+
+/// Meaning of a line, unless its words are times or data.
+fn with_coordinates(line: &ProgramLine) -> Option<&InterpretedLine> {
+    line.meaning.as_ref().filter(|meaning| meaning.step.dwell.is_none() && !meaning.step.sets_data)
+}
+
+/// Group of a word; `None` if it is compared with none.
+fn group_of(word: &Word, meaning: &InterpretedLine) -> Option<usize> {
+    let is_arc = || meaning.step.motion.as_ref().is_some_and(|motion| matches!(motion.kind, MotionKind::Arc(_)));
+    match word.letter {
+        b'X' => Some(0),
+        b'Y' => Some(1),
+        b'Z' => Some(DEPTHS),
+        b'I' | b'J' | b'K' => Some(ARCS),
+        b'A' | b'B' | b'C' => Some(ANGLES),
+        b'R' if is_arc() => Some(ARCS),
+        b'R' if meaning.step.series.is_some() => Some(DEPTHS),
+        _ => None,
     }
 }
 
@@ -249,7 +264,8 @@ mod tests {
         let source = source(text);
         let mut survey = DecimalSurvey::new(&source.settings);
         source.survey(true, |line| survey.add(line), |_, _| {});
-        survey.warnings().iter().map(|(found, _)| (found.line, found.column)).collect()
+        let again = |each: &mut dyn FnMut(&ProgramLine)| drop(source.survey(false, each, |_, _| {}));
+        survey.warnings(again).iter().map(|(found, _)| (found.line, found.column)).collect()
     }
 
     #[test]
