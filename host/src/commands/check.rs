@@ -114,6 +114,14 @@ struct Entry<'a> {
     found: &'a str,
 }
 
+/// Passes on all lines of a program, those that it executes if it has been run.
+fn pass_lines(source: &Source, run: Option<&Program>, each: &mut dyn FnMut(&ProgramLine)) {
+    match run {
+        Some(program) => program.lines().for_each(|line| each(&line)),
+        None => drop(source.survey(false, each, |_, _| {})),
+    }
+}
+
 impl Check {
     /// Runs the command.
     ///
@@ -153,11 +161,8 @@ impl Check {
         let of_run = whole.as_ref().and_then(|program| program.run_summary.clone());
         let path = of_run.unwrap_or(path);
         let of_unit = assumed.iter().map(|assumed| (assumed.warning(), assumed.line_of(&source.bytes)));
-        let again = |each: &mut dyn FnMut(&ProgramLine)| match &whole {
-            Some(program) => program.lines().for_each(|line| each(&line)),
-            None => drop(source.survey(false, each, |_, _| {})),
-        };
-        findings.add_all(decimals.warnings(again).into_iter().chain(path.warnings(&source.bytes)).chain(of_unit));
+        let of_decimals = decimals.warnings(|each| pass_lines(&source, whole.as_ref(), each));
+        findings.add_all(of_decimals.into_iter().chain(path.warnings(&source.bytes)).chain(of_unit));
         findings.print();
         let path = PathFigures::new(&path);
         // The axis positions of a faulty program are unknown.
