@@ -1,12 +1,13 @@
 //! A ball on a straight sweep: what it removes from a ray, in closed form for rays of any direction.
 //!
-//! The ball of radius R sweeps a cylinder about its way, with half a ball at each end. That is convex, so a ray loses one interval. For a
-//! point of the ray, with w from the ball's centre at the beginning to that point, n the direction of the way, and L its length, both
-//! ends of the interval are
+//! The ball of radius R sweeps a cylinder about its way, with half a ball at each end. That is convex, so a ray loses one interval. Let n be the
+//! direction of the way, L its length, and w the vector from the ball's centre at the beginning to a point of the ray. The ray crosses the
+//! endless cylinder at (1); an end of the interval is that place if 0 <= w.n <= L, and otherwise on the ball of the nearer end of the way, (2).
+//! A ray that misses the endless cylinder loses nothing.
 //!
 //! ```text
-//! on a ball:        distance from its centre = R, where w.n in (2) is below 0 (at the beginning) or above L (at the end)       (1)
-//! on the cylinder:  |w|^2 - (w.n)^2 = R^2, otherwise                                                                         (2)
+//! |w|^2 - (w.n)^2 = R^2                                        (1)
+//! distance from the ball's centre = R                          (2)
 //! ```
 //!
 //! Source: own derivation.
@@ -81,7 +82,7 @@ impl BallRow<'_> {
             let arm_mm = [column_mm - end_column_mm, self.row_mm - end_row_mm];
             arm_mm[0] * arm_mm[0] + arm_mm[1] * arm_mm[1]
         };
-        // (2): a u^2 + 2 b u + c = 0, u from the centre at the beginning.
+        // (1) as a u^2 + 2 b u + c = 0, u from the centre at the beginning.
         let passed_mm = (column_mm - first_mm[1]) * column + (self.row_mm - first_mm[2]) * row;
         let a = column * column + row * row;
         let b = -passed_mm * along;
@@ -93,7 +94,7 @@ impl BallRow<'_> {
             let at_mm = middle_mm + side * half_mm;
             let passed_mm = passed_mm + at_mm * along;
             let on_ball = |center_mm: Vector| {
-                center_mm[0] + side * libm::sqrt(radius_mm * radius_mm - square_off(center_mm)) // (1)
+                center_mm[0] + side * libm::sqrt(radius_mm * radius_mm - square_off(center_mm)) // (2)
             };
             if passed_mm < 0.0 {
                 on_ball(first_mm)
@@ -109,13 +110,13 @@ impl BallRow<'_> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use arcfeed_kinematics::vector::{difference, dot, unit};
 
     use super::*;
 
     /// Numbers from -1 to 1.
-    fn random(seed: &mut u32) -> f64 {
+    pub fn random(seed: &mut u32) -> f64 {
         *seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         f64::from(*seed >> 8) / f64::from(1 << 23) - 1.0
     }

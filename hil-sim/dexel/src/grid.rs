@@ -404,7 +404,7 @@ mod tests {
         let tilts = [[0.3, 0.2, 0.93], [0.0, 0.3, 0.95], [-0.8, 0.1, 0.6]];
         for (tool, axis_mm) in [&ring, &ball].into_iter().flat_map(|tool| tilts.map(|axis_mm| (tool, axis_mm))) {
             let axis = unit(axis_mm).unwrap();
-            // The wall passes through the block, whose middle is first outside of it and then in the hole, on two levels.
+            // The ring's wall passes through the block, whose middle is first outside of it and then in the hole, on two levels.
             let at =
                 |part: f64, deep: f64| [0, 1, 2].map(|k| [27.0 - 22.0 * part, 4.5, 3.0][k] + (2.0 - deep) * axis[k]);
             let sweeps: Vec<Sweep> = (0..40)

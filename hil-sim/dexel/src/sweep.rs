@@ -137,6 +137,7 @@ impl Reach {
 /// Passes of all parts of a tool over all sweeps, for rays along `ray_axis`. Slabs of the tool that can be cut together are one
 /// pass, and so is a ball.
 pub fn passes<'a>(tool: &'a Tool, sweeps: &[Sweep], ray_axis: usize) -> Vec<Pass<'a>> {
+    let (ball_mm, slabs) = tool.ball_and_slabs();
     let mut passes = Vec::with_capacity(sweeps.len() * tool.slabs().len());
     for sweep in sweeps {
         let pass = |corners_mm, shape| Pass { ray_axis, corners_mm, motion_mm: sweep.motion_mm(), shape };
@@ -148,7 +149,6 @@ pub fn passes<'a>(tool: &'a Tool, sweeps: &[Sweep], ray_axis: usize) -> Vec<Pass
         let before = passes.len();
         passes.extend(levels);
         if passes.len() == before {
-            let (ball_mm, slabs) = tool.ball_and_slabs();
             passes.extend(ball_mm.map(|radius_mm| {
                 let ball = BallSweep::new(radius_mm, sweep, ray_axis);
                 pass(BallSweep::corners_mm(radius_mm, sweep, MARGIN_MM), Shape::Ball(ball))
@@ -344,12 +344,24 @@ impl Pass<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use arcfeed_kinematics::vector::{sum, unit};
+    use arcfeed_kinematics::vector::{scaled, sum, unit};
 
-    /// Numbers from -1 to 1.
-    fn random(seed: &mut u32) -> f64 {
-        *seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-        f64::from(*seed >> 8) / f64::from(1 << 23) - 1.0
+    use crate::ball::tests::random;
+
+    #[test]
+    fn a_tilted_ball_is_a_ball_however_coarse_its_cones_are() {
+        let axis = unit([0.6, 0.2, 0.8]).unwrap();
+        let standing = Sweep { from_mm: scaled(axis, -3.0), to_mm: scaled(axis, -3.0), axis };
+        let lowest_mm = |height_mm: f64| {
+            let tool = Tool::ball(3.0, height_mm, 1.0).unwrap();
+            let passes = passes(&tool, &[standing], 2);
+            let spans = passes.iter().flat_map(|pass| pass.spans([-1.0, 2.0, 0.0]));
+            spans.map(|span| span.from_mm).fold(f64::INFINITY, f64::min)
+        };
+        // The centre of the ball is the origin.
+        assert!((lowest_mm(20.0) + 2.0).abs() < 1e-12, "{}", lowest_mm(20.0));
+        // A mill that is lower than its ball has cones only, which are within the ball.
+        assert!(lowest_mm(5.0) > -2.0 + 1e-3, "{}", lowest_mm(5.0));
     }
 
     #[test]

@@ -35,6 +35,7 @@ const ALL_TINY: &str = "no word of the program has a decimal point, and as least
 /// Survey of numbers without decimal points, for a control that counts them in least increments.
 #[derive(Debug)]
 pub struct DecimalSurvey {
+    /// Unit before the first line.
     unit: LengthUnit,
     is_asked: bool,
     count: usize,
@@ -108,8 +109,8 @@ impl DecimalSurvey {
         self.plain.iter().sum()
     }
 
-    /// Warnings of numbers whose size shows that a decimal point is missing, each with the text of its line. `lines` passes on all lines
-    /// again: few programs have words without a point beside words with one, which are what takes time.
+    /// Warnings of numbers whose size shows that a decimal point is missing, each with the text of its line. `lines` calls its
+    /// argument with each line of the program again; it is only needed if there are numbers without a point.
     pub fn warnings(&self, lines: impl FnOnce(&mut dyn FnMut(&ProgramLine))) -> Vec<(Diagnostic, &[u8])> {
         if self.kept.is_empty() {
             return Vec::new();
