@@ -6,7 +6,7 @@ use crate::command::{Failure, announce, cargo, run};
 const MINUTES: u64 = 10;
 const SECONDS_PER_MIN: u64 = 60;
 /// Tests with a full set, and what their names begin with.
-const CAMPAIGNS: [(&str, &str); 13] = [
+const CAMPAIGNS: [(&str, &str); 14] = [
     ("feed", ""),
     ("line", "dnc::"),
     ("line", "campaigns::"),
@@ -17,6 +17,7 @@ const CAMPAIGNS: [(&str, &str); 13] = [
     ("plan", "widths::"),
     ("plan", "repair::large_clouds::"),
     ("plan", "plunge::"),
+    ("plan", "symmetry::"),
     ("machine", "drives::"),
     ("machine", "kinematics::"),
     ("program", "fuzz::"),
