@@ -32,6 +32,15 @@ pub const FINEST: f64 = 1e-6;
 /// Limit of the rounds, more than a search needs.
 const ROUNDS_MAX: usize = 2000;
 
+/// Function that learns where a search looks next, so that it can leave out what does not matter there.
+pub trait Approached {
+    /// Says that values are asked within `reach` of `centre` until the next approach.
+    fn approach(&mut self, centre: [f64; 2], reach: f64);
+
+    /// Value at a place.
+    fn value(&self, at: [f64; 2]) -> f64;
+}
+
 /// Local minimum of a function of two variables near `start`, within `ranges`; the first steps are `spacing` wide.
 pub fn descend(ranges: [[f64; 2]; 2], start: Minimum, spacing: [f64; 2], f: impl Fn([f64; 2]) -> f64) -> Minimum {
     descend_to(ranges, start, Steps { first: spacing, finest: FINEST }, f)
@@ -39,14 +48,22 @@ pub fn descend(ranges: [[f64; 2]; 2], start: Minimum, spacing: [f64; 2], f: impl
 
 /// Local minimum of a function of two variables near `start`, within `ranges`, by a search in these steps.
 pub fn descend_to(ranges: [[f64; 2]; 2], start: Minimum, steps: Steps, f: impl Fn([f64; 2]) -> f64) -> Minimum {
-    let around = |best: Minimum, stencil: &mut [Minimum]| {
-        for k in 0..stencil.len() {
+    descend_by(ranges, start, steps, |best, _, places| {
+        for k in 0..places.len() {
             // At a border several neighbours coincide.
-            let known = stencil[..k].iter().chain([&best]).find(|known| known.at == stencil[k].at);
-            stencil[k].value = known.map_or_else(|| f(stencil[k].at), |known| known.value);
+            let known = places[..k].iter().chain([&best]).find(|known| known.at == places[k].at);
+            places[k].value = known.map_or_else(|| f(places[k].at), |known| known.value);
         }
-    };
-    descend_by(ranges, start, steps, around, &f)
+    })
+}
+
+/// Descent for a function that learns where the search looks next.
+pub fn descend_approaching(start: Minimum, spacing: [f64; 2], f: &mut impl Approached) -> Minimum {
+    let steps = Steps { first: spacing, finest: FINEST };
+    descend_by([[f64::MIN, f64::MAX]; 2], start, steps, |best, reach, places| {
+        f.approach(best.at, reach);
+        places.iter_mut().for_each(|least| least.value = f.value(least.at));
+    })
 }
 
 /// Descent for an expensive function: a stencil's values are computed on all cores.
@@ -56,16 +73,17 @@ pub fn descend_parallel(
     spacing: [f64; 2],
     f: impl Fn([f64; 2]) -> f64 + Sync,
 ) -> Minimum {
-    let around = |_, stencil: &mut [Minimum]| stencil.par_iter_mut().for_each(|least| least.value = f(least.at));
-    descend_by(ranges, start, Steps { first: spacing, finest: FINEST }, around, &f)
+    descend_by(ranges, start, Steps { first: spacing, finest: FINEST }, |_, _, places| {
+        places.par_iter_mut().for_each(|least| least.value = f(least.at));
+    })
 }
 
+/// Descent whose values `evaluate` sets, from the best place so far, at places no farther from it than a reach.
 fn descend_by(
     ranges: [[f64; 2]; 2],
     start: Minimum,
     steps: Steps,
-    evaluate: impl Fn(Minimum, &mut [Minimum]),
-    f: impl Fn([f64; 2]) -> f64,
+    mut evaluate: impl FnMut(Minimum, f64, &mut [Minimum]),
 ) -> Minimum {
     let inside = |at: [f64; 2]| [at[0].clamp(ranges[0][0], ranges[0][1]), at[1].clamp(ranges[1][0], ranges[1][1])];
     let mut best = start;
@@ -75,13 +93,16 @@ fn descend_by(
             break;
         }
         let step = steps.first.map(|width| width * scale);
-        let around = |i: f64, j: f64| inside([best.at[0] + i * step[0], best.at[1] + j * step[1]]);
+        let reach = FARTHEST * libm::hypot(step[0], step[1]);
+        let around =
+            |[i, j]: [f64; 2]| Minimum { at: inside([best.at[0] + i * step[0], best.at[1] + j * step[1]]), ..best };
         // Along one line only the neighbours on it are used.
         let count = if step[1] > 0.0 { NEIGHBOURS.len() } else { 2 };
-        let mut stencil = NEIGHBOURS.map(|[i, j]| Minimum { at: around(i, j), ..best });
+        let mut stencil = NEIGHBOURS.map(around);
         let stencil = &mut stencil[..count];
-        evaluate(best, stencil);
-        let newton = newton(best.value, stencil).map(|[i, j]| around(i, j)).map(|at| Minimum { at, value: f(at) });
+        evaluate(best, reach, stencil);
+        let mut newton = newton(best.value, stencil).map(around);
+        evaluate(best, reach, newton.as_mut_slice());
         let found = stencil.iter().copied().chain(newton).min_by(|a, b| a.value.total_cmp(&b.value)).unwrap_or(best);
         if found.value < best.value {
             best = found;

@@ -110,13 +110,16 @@ fn a_plunge_mill_bores_out_a_passage_of_rotor_37_and_the_dexels_have_allowance_n
         check_axes(&planned, &surfaces, *mill);
         check(&planned);
     }
+    // Others are streamed each time (`command`).
+    if of_full_set(true, false) {
+        stream(&surfaces);
+    }
 }
 
-#[test]
-fn the_plan_of_rotor_37_is_streamed_to_the_simulated_control() {
-    let Some(surfaces) = surfaces() else { return };
+/// Plans by the command, and streams the program to the simulated control.
+fn stream(surfaces: &[Vec<Row>]) {
     let scratch = Scratch::new("plunge-rotor-37");
-    let (part, folder) = (write_part(&scratch, &surfaces, MILLS[0]), scratch.path("out"));
+    let (part, folder) = (write_part(&scratch, surfaces, MILLS[0]), scratch.path("out"));
     let output = run(&["plan", "plunge", &part, "-o", &folder]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     assert_streamed(&folder, "rotor-37");

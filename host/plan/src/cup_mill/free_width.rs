@@ -16,7 +16,7 @@ use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::cutter::CupMill;
 use crate::frame::slot_frame;
-use crate::search::{Minimum, descend, descend_parallel};
+use crate::search::{Approached, Minimum, descend_approaching, descend_parallel};
 use crate::vector::{Flat, Point, Vector};
 
 use super::side::OffsetSide;
@@ -78,25 +78,18 @@ impl SidePoints {
         let turn = slot_frame(direction)?;
         let seen = |points: &[Point]| -> Vec<Flat> { points.iter().map(|point| (turn * point).xy()).collect() };
         let (pressure, suction) = (seen(&self.pressure), seen(&self.suction));
-        let lanes = [Lanes::new(&pressure), Lanes::new(&suction)];
-        let short_mm = |[x, y]: [f64; 2]| {
-            let centre = Flat::new(x, y);
-            let outer = libm::sqrt(lanes[0].nearest_mm2(centre)) - cutter.outer_radius_mm;
-            let inner = cutter.inner_radius_mm - libm::sqrt(lanes[1].farthest_mm2(centre));
-            -outer.min(inner) // (1)
-        };
         let (from, to) = (middle(&pressure), middle(&suction));
         let bearing = libm::atan2(to.y - from.y, to.x - from.x);
         let between = nalgebra::center(&from, &to);
         let reach_mm = (cutter.outer_radius_mm + cutter.inner_radius_mm) / 2.0;
+        let mut missing = MissingWidth::new(cutter, [pressure, suction]);
         let starts = BEARINGS_DEG.map(|deg| {
             let (sin, cos) = libm::sincos(bearing + deg.to_radians());
             let at = [between.x + reach_mm * cos, between.y + reach_mm * sin];
-            Minimum { at, value: short_mm(at) }
+            Minimum { at, value: missing.value(at) }
         });
         let start = starts.into_iter().min_by(|a, b| a.value.total_cmp(&b.value))?;
-        let everywhere = [[f64::MIN, f64::MAX]; 2];
-        let found = descend(everywhere, start, [2.0, 2.0], short_mm);
+        let found = descend_approaching(start, [2.0, 2.0], &mut missing);
         Some(FreeWidth { per_side_mm: -found.value, centre: Flat::from(found.at), direction: *direction })
     }
 
@@ -136,6 +129,75 @@ impl SidePoints {
         let range = [-LEAN_MAX_RAD, LEAN_MAX_RAD];
         let found = descend_parallel([range, range], start, [LEAN_STEP_RAD / 2.0; 2], |at| missing(free_width(at)));
         Some(FreeWidths { grid: grid.into_iter().flatten().collect(), roomiest: free_width(found.at)? })
+    }
+}
+
+/// Width that a ring lacks on each side, by its centre: (1), negative.
+struct MissingWidth<'c> {
+    cutter: &'c CupMill,
+    /// All points of the pressure and of the suction side, seen along the tool.
+    sides: [Vec<Flat>; 2],
+    near: NearPoints,
+}
+
+/// The points that can be the nearest or the farthest of their side, of any centre within a reach.
+struct NearPoints {
+    centre: Flat,
+    reach_mm: f64,
+    sides: [Vec<Flat>; 2],
+    lanes: [Lanes; 2],
+}
+
+/// Reach that points are selected for, over that of a step: the steps grow, too.
+const AHEAD: f64 = 2.0;
+/// Part of the reach of the points below which fewer points are selected.
+const SMALL: f64 = 0.125;
+/// More than the rounding errors of distances, mm.
+const ROUNDING_MM: f64 = 1e-9;
+
+impl<'c> MissingWidth<'c> {
+    fn new(cutter: &'c CupMill, sides: [Vec<Flat>; 2]) -> Self {
+        let near = NearPoints::new(Flat::origin(), f64::INFINITY, sides.clone());
+        MissingWidth { cutter, sides, near }
+    }
+}
+
+impl Approached for MissingWidth<'_> {
+    fn approach(&mut self, centre: [f64; 2], reach: f64) {
+        let centre = Flat::from(centre);
+        let is_inside = (centre - self.near.centre).norm() + reach <= self.near.reach_mm;
+        if !is_inside || reach < SMALL * self.near.reach_mm {
+            let from = if is_inside { &self.near.sides } else { &self.sides };
+            self.near = NearPoints::of(from, centre, AHEAD * reach);
+        }
+    }
+
+    fn value(&self, [x, y]: [f64; 2]) -> f64 {
+        let centre = Flat::new(x, y);
+        let [pressure, suction] = &self.near.lanes;
+        let outer = libm::sqrt(pressure.nearest_mm2(centre)) - self.cutter.outer_radius_mm;
+        let inner = self.cutter.inner_radius_mm - libm::sqrt(suction.farthest_mm2(centre));
+        -outer.min(inner) // (1)
+    }
+}
+
+impl NearPoints {
+    fn new(centre: Flat, reach_mm: f64, sides: [Vec<Flat>; 2]) -> Self {
+        let lanes = [0, 1].map(|side: usize| Lanes::new(&sides[side]));
+        NearPoints { centre, reach_mm, sides, lanes }
+    }
+
+    /// Those of these points: one is left out that is farther than the nearest one, or nearer than the farthest one, by more than twice the reach.
+    fn of([pressure, suction]: &[Vec<Flat>; 2], centre: Flat, reach_mm: f64) -> Self {
+        let spread_mm = 2.0 * reach_mm + ROUNDING_MM;
+        let square_mm2 = |point: &&Flat| (**point - centre).norm_squared();
+        let nearest_mm2 = pressure.iter().map(|point| square_mm2(&point)).fold(f64::INFINITY, f64::min);
+        let farthest_mm2 = suction.iter().map(|point| square_mm2(&point)).fold(0.0, f64::max);
+        let most_mm = libm::sqrt(nearest_mm2) + spread_mm;
+        let least_mm = (libm::sqrt(farthest_mm2) - spread_mm).max(0.0);
+        let pressure = pressure.iter().filter(|point| square_mm2(point) <= most_mm * most_mm).copied().collect();
+        let suction = suction.iter().filter(|point| square_mm2(point) >= least_mm * least_mm).copied().collect();
+        NearPoints::new(centre, reach_mm, [pressure, suction])
     }
 }
 

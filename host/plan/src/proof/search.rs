@@ -107,13 +107,18 @@ impl Search<'_> {
             let gap_mm = gap_mm.max(-least.bounds_mm[1] * DEPTH_RATIO);
             let is_decided = least.bounds_mm[1] < too_near_mm || nearest.least_mm >= enough_mm;
             if is_decided || nearest.least_mm >= least.bounds_mm[1] - gap_mm || least.pieces >= MOST_PIECES {
-                least.bounds_mm[0] = nearest.least_mm.min(least.bounds_mm[1]);
+                least.bounds_mm[0] = nearest.least_mm;
                 break;
             }
             for piece in self.halves(&nearest) {
-                heap.push(self.bounded(piece, nearest.least_mm, &mut least));
+                let half = self.bounded(piece, nearest.least_mm, &mut least);
+                // What is no nearer than a distance found would never be examined.
+                if half.least_mm < least.bounds_mm[1] {
+                    heap.push(half);
+                }
             }
         }
+        least.bounds_mm[0] = least.bounds_mm[0].min(least.bounds_mm[1]);
         least
     }
 
