@@ -17,7 +17,8 @@ const PACKAGES: &str = "tools/python";
 pub fn python_with(modules: &str) -> Option<Command> {
     let command = |python: &str| {
         let mut command = Command::new(python);
-        command.env("PYTHONPATH", packages()).env("PYTHONDONTWRITEBYTECODE", "1");
+        // No bytecode beside the scripts.
+        command.env("PYTHONPATH", packages()).env("PYTHONPYCACHEPREFIX", packages().with_file_name("python-bytecode"));
         command
     };
     let has_them = |python: &&str| {

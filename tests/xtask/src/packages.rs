@@ -219,7 +219,8 @@ fn install_python_packages(need: &PythonNeed) -> Result<(), Failure> {
         return Ok(());
     }
     let packages = need.packages.join(" ");
-    let mut pip = program("python3", &["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
+    let mut pip =
+        program("python3", &["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-compile"]);
     if need.is_optional {
         pip.args(["--only-binary", ":all:"]);
     }

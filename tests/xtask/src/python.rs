@@ -79,7 +79,8 @@ fn install_packages(environment: &Path) -> Result<(), Failure> {
         return Ok(());
     }
     run(program("python3", &["-m", "venv"]).arg(environment))?;
-    run(python(environment, &["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]).args(PACKAGES))
+    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-compile"];
+    run(python(environment, &install).args(PACKAGES))
 }
 
 /// Fetches the build requirement, which pip installs anew for each build, into pip's cache.
@@ -118,7 +119,7 @@ fn wheel_in(wheels: &Path) -> Result<PathBuf, Failure> {
 
 /// Runs the tests; returns how many passed.
 fn test(environment: &Path) -> Result<u64, Failure> {
-    run(&mut cargo(&["build", "--quiet", "--workspace", "--bin", "arcfeed"]))?;
+    run(&mut cargo(&["build", "--quiet", "--workspace", "--bin", "arcfeed", "--tests"]))?;
     let binary = build_dir()?.join(format!("debug/arcfeed{}", std::env::consts::EXE_SUFFIX));
     let mut pytest = python(environment, &["-m", "pytest", "-q", "-p", "no:cacheprovider"]);
     pytest.current_dir(folder()).env("ARCFEED_PROGRAM", binary).env("MPLBACKEND", "agg");
@@ -136,10 +137,10 @@ fn passed(printed: &str) -> u64 {
     number.and_then(|number| number.parse().ok()).unwrap_or_default()
 }
 
-/// The environment's Python, in the workspace's root, writing no bytecode beside the sources.
+/// The environment's Python, in the workspace's root; bytecode, of the modules that are imported, stays in the environment.
 fn python(environment: &Path, arguments: &[&str]) -> Command {
     let mut command = program(environment.join("bin/python"), arguments);
-    command.env("PYTHONDONTWRITEBYTECODE", "1").env("MYPYPATH", "").env_remove("PYTHONPATH");
+    command.env("PYTHONPYCACHEPREFIX", environment.join("bytecode")).env("MYPYPATH", "").env_remove("PYTHONPATH");
     command
 }
 
