@@ -28,16 +28,17 @@ pub fn root() -> &'static Path {
 pub fn arcfeed() -> &'static Path {
     static BINARY: OnceLock<PathBuf> = OnceLock::new();
     BINARY.get_or_init(|| {
+        // This test runs as target/<profile>/deps/<name>-<hash>; the program lies one folder up.
+        let test = std::env::current_exe().expect("a test knows its own path");
+        let name = test.file_stem().and_then(|stem| stem.to_str()?.rsplit_once('-')).expect("a name and a hash").0;
         let built = Command::new(env!("CARGO"))
-            // Builds the whole workspace, as `cargo xtask test` does: with the features of one package everything would
-            // be built again.
-            .args(["build", "--quiet", "--workspace", "--bin", "arcfeed"])
+            // The features are those of the whole workspace with its tests, as `cargo xtask test` builds it: with others, the program and half of
+            // what it needs would be built again.
+            .args(["build", "--quiet", "--workspace", "--bin", "arcfeed", "--test", name])
             .current_dir(root())
             .status()
             .expect("cargo runs");
         assert!(built.success(), "arcfeed does not build");
-        // This test runs as target/<profile>/deps/<name>; the program lies one folder up.
-        let test = std::env::current_exe().expect("a test knows its own path");
         let folder = test.ancestors().nth(2).expect("tests run from the deps folder");
         folder.join(format!("arcfeed{}", std::env::consts::EXE_SUFFIX))
     })
