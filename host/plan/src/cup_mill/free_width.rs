@@ -174,6 +174,7 @@ impl Approached for MissingWidth<'_> {
 
     fn value(&self, [x, y]: [f64; 2]) -> f64 {
         let centre = Flat::new(x, y);
+        debug_assert!((centre - self.near.centre).norm() <= self.near.reach_mm, "points left out may matter there");
         let [pressure, suction] = &self.near.lanes;
         let outer = libm::sqrt(pressure.nearest_mm2(centre)) - self.cutter.outer_radius_mm;
         let inner = self.cutter.inner_radius_mm - libm::sqrt(suction.farthest_mm2(centre));
