@@ -88,7 +88,7 @@ fn turned(sections: Sections) -> Sections {
     moved(&sections, |point| turn * point)
 }
 
-/// The first one has all changes at once.
+/// The first one has another hand, another order of points and another first blade at once.
 const VARIANTS: [Variant; 3] = [
     Variant {
         name: "mirrored in y, points reversed, turned by 7 pitches and 0.1 rad",

@@ -32,15 +32,6 @@ pub const FINEST: f64 = 1e-6;
 /// Limit of the rounds, more than a search needs.
 const ROUNDS_MAX: usize = 2000;
 
-/// Function that learns where a search looks next, so that it can leave out what does not matter there.
-pub trait Approached {
-    /// Says that values are asked within `reach` of `centre` until the next approach.
-    fn approach(&mut self, centre: [f64; 2], reach: f64);
-
-    /// Value at a place.
-    fn value(&self, at: [f64; 2]) -> f64;
-}
-
 /// Local minimum of a function of two variables near `start`, within `ranges`; the first steps are `spacing` wide.
 pub fn descend(ranges: [[f64; 2]; 2], start: Minimum, spacing: [f64; 2], f: impl Fn([f64; 2]) -> f64) -> Minimum {
     descend_to(ranges, start, Steps { first: spacing, finest: FINEST }, f)
@@ -57,15 +48,6 @@ pub fn descend_to(ranges: [[f64; 2]; 2], start: Minimum, steps: Steps, f: impl F
     })
 }
 
-/// Descent for a function that learns where the search looks next.
-pub fn descend_approaching(start: Minimum, spacing: [f64; 2], f: &mut impl Approached) -> Minimum {
-    let steps = Steps { first: spacing, finest: FINEST };
-    descend_by([[f64::MIN, f64::MAX]; 2], start, steps, |best, reach, places| {
-        f.approach(best.at, reach);
-        places.iter_mut().for_each(|least| least.value = f.value(least.at));
-    })
-}
-
 /// Descent for an expensive function: a stencil's values are computed on all cores.
 pub fn descend_parallel(
     ranges: [[f64; 2]; 2],
@@ -78,8 +60,8 @@ pub fn descend_parallel(
     })
 }
 
-/// Descent whose values `evaluate` sets, from the best place so far, at places no farther from it than a reach.
-fn descend_by(
+/// Descent whose values `evaluate` sets: of the best place so far, a reach, and places no farther from that place than the reach.
+pub fn descend_by(
     ranges: [[f64; 2]; 2],
     start: Minimum,
     steps: Steps,

@@ -110,7 +110,7 @@ fn a_plunge_mill_bores_out_a_passage_of_rotor_37_and_the_dexels_have_allowance_n
         check_axes(&planned, &surfaces, *mill);
         check(&planned);
     }
-    // Others are streamed each time (`command`).
+    // The programs of impeller-13 and blisk-19 are streamed in every run (`command`).
     if of_full_set(true, false) {
         stream(&surfaces);
     }

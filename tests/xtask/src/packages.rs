@@ -120,6 +120,9 @@ const NEEDS: [Need; 9] = [
 /// Folder of the viewer of reports.
 const WEB: &str = "host/web";
 
+/// Arguments of a Python that install packages. Bytecode is left to the first import: most modules are never imported.
+pub const PIP_INSTALL: [&str; 6] = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-compile"];
+
 /// Packages of the Python Package Index that scripts of the tests need.
 struct PythonNeed {
     what: &'static str,
@@ -219,8 +222,7 @@ fn install_python_packages(need: &PythonNeed) -> Result<(), Failure> {
         return Ok(());
     }
     let packages = need.packages.join(" ");
-    let mut pip =
-        program("python3", &["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-compile"]);
+    let mut pip = program("python3", &PIP_INSTALL);
     if need.is_optional {
         pip.args(["--only-binary", ":all:"]);
     }

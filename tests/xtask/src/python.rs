@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use crate::command::{Failure, announce, build_dir, cargo, output, program, run};
+use crate::packages::PIP_INSTALL;
 
 /// Folder of the package.
 const FOLDER: &str = "host/python";
@@ -79,8 +80,7 @@ fn install_packages(environment: &Path) -> Result<(), Failure> {
         return Ok(());
     }
     run(program("python3", &["-m", "venv"]).arg(environment))?;
-    let install = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-compile"];
-    run(python(environment, &install).args(PACKAGES))
+    run(python(environment, &PIP_INSTALL).args(PACKAGES))
 }
 
 /// Fetches the build requirement, which pip installs anew for each build, into pip's cache.
@@ -137,7 +137,7 @@ fn passed(printed: &str) -> u64 {
     number.and_then(|number| number.parse().ok()).unwrap_or_default()
 }
 
-/// The environment's Python, in the workspace's root; bytecode, of the modules that are imported, stays in the environment.
+/// The environment's Python, in the workspace's root. Bytecode goes into the environment, not beside the sources.
 fn python(environment: &Path, arguments: &[&str]) -> Command {
     let mut command = program(environment.join("bin/python"), arguments);
     command.env("PYTHONPYCACHEPREFIX", environment.join("bytecode")).env("MYPYPATH", "").env_remove("PYTHONPATH");

@@ -16,7 +16,7 @@ use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::cutter::CupMill;
 use crate::frame::slot_frame;
-use crate::search::{Approached, Minimum, descend_approaching, descend_parallel};
+use crate::search::{FINEST, Minimum, Steps, descend_by, descend_parallel};
 use crate::vector::{Flat, Point, Vector};
 
 use super::side::OffsetSide;
@@ -81,15 +81,20 @@ impl SidePoints {
         let (from, to) = (middle(&pressure), middle(&suction));
         let bearing = libm::atan2(to.y - from.y, to.x - from.x);
         let between = nalgebra::center(&from, &to);
-        let reach_mm = (cutter.outer_radius_mm + cutter.inner_radius_mm) / 2.0;
+        let radius_mm = (cutter.outer_radius_mm + cutter.inner_radius_mm) / 2.0;
         let mut missing = MissingWidth::new(cutter, [pressure, suction]);
         let starts = BEARINGS_DEG.map(|deg| {
             let (sin, cos) = libm::sincos(bearing + deg.to_radians());
-            let at = [between.x + reach_mm * cos, between.y + reach_mm * sin];
+            let at = [between.x + radius_mm * cos, between.y + radius_mm * sin];
             Minimum { at, value: missing.value(at) }
         });
         let start = starts.into_iter().min_by(|a, b| a.value.total_cmp(&b.value))?;
-        let found = descend_approaching(start, [2.0, 2.0], &mut missing);
+        let everywhere = [[f64::MIN, f64::MAX]; 2];
+        let steps = Steps { first: [2.0, 2.0], finest: FINEST };
+        let found = descend_by(everywhere, start, steps, |best, reach_mm, places| {
+            missing.approach(best.at, reach_mm);
+            places.iter_mut().for_each(|place| place.value = missing.value(place.at));
+        });
         Some(FreeWidth { per_side_mm: -found.value, centre: Flat::from(found.at), direction: *direction })
     }
 
@@ -160,18 +165,18 @@ impl<'c> MissingWidth<'c> {
         let near = NearPoints::new(Flat::origin(), f64::INFINITY, sides.clone());
         MissingWidth { cutter, sides, near }
     }
-}
 
-impl Approached for MissingWidth<'_> {
-    fn approach(&mut self, centre: [f64; 2], reach: f64) {
+    /// Prepares for values within `reach_mm` of `centre`.
+    fn approach(&mut self, centre: [f64; 2], reach_mm: f64) {
         let centre = Flat::from(centre);
-        let is_inside = (centre - self.near.centre).norm() + reach <= self.near.reach_mm;
-        if !is_inside || reach < SMALL * self.near.reach_mm {
+        let is_inside = (centre - self.near.centre).norm() + reach_mm <= self.near.reach_mm;
+        if !is_inside || reach_mm < SMALL * self.near.reach_mm {
             let from = if is_inside { &self.near.sides } else { &self.sides };
-            self.near = NearPoints::of(from, centre, AHEAD * reach);
+            self.near = NearPoints::of(from, centre, AHEAD * reach_mm);
         }
     }
 
+    /// Missing width at a centre that has been approached.
     fn value(&self, [x, y]: [f64; 2]) -> f64 {
         let centre = Flat::new(x, y);
         debug_assert!((centre - self.near.centre).norm() <= self.near.reach_mm, "points left out may matter there");
@@ -188,12 +193,13 @@ impl NearPoints {
         NearPoints { centre, reach_mm, sides, lanes }
     }
 
-    /// Those of these points: one is left out that is farther than the nearest one, or nearer than the farthest one, by more than twice the reach.
+    /// Of the pressure side, points up to twice the reach farther from the centre than the nearest one; of the suction side, up to twice the
+    /// reach nearer than the farthest one. Seen from another centre, each distance differs by the reach at most.
     fn of([pressure, suction]: &[Vec<Flat>; 2], centre: Flat, reach_mm: f64) -> Self {
         let spread_mm = 2.0 * reach_mm + ROUNDING_MM;
-        let square_mm2 = |point: &&Flat| (**point - centre).norm_squared();
-        let nearest_mm2 = pressure.iter().map(|point| square_mm2(&point)).fold(f64::INFINITY, f64::min);
-        let farthest_mm2 = suction.iter().map(|point| square_mm2(&point)).fold(0.0, f64::max);
+        let square_mm2 = |point: &Flat| (point - centre).norm_squared();
+        let nearest_mm2 = pressure.iter().map(square_mm2).fold(f64::INFINITY, f64::min);
+        let farthest_mm2 = suction.iter().map(square_mm2).fold(0.0, f64::max);
         let most_mm = libm::sqrt(nearest_mm2) + spread_mm;
         let least_mm = (libm::sqrt(farthest_mm2) - spread_mm).max(0.0);
         let pressure = pressure.iter().filter(|point| square_mm2(point) <= most_mm * most_mm).copied().collect();
