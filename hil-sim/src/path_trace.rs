@@ -11,10 +11,9 @@ use arcfeed_nc::machining::ToolInSpindle;
 use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_units::{Micros, Nm, S_PER_MIN};
 
-use crate::override_source::OverrideSource;
 use crate::removal::placement::{UP, WorkpiecePlacement};
 use crate::removal::trail::{AxisPosition, off_mm};
-use crate::simulation::{STEP, Simulation};
+use crate::simulated_machine::{STEP, SimulatedMachine};
 
 /// Most points of a run.
 const POINTS_MAX: usize = 1 << 18;
@@ -104,7 +103,7 @@ impl PathTrace {
     }
 
     /// Records the millisecond that the simulation has just executed.
-    pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
+    pub fn observe(&mut self, simulation: &SimulatedMachine) {
         let (now, control) = (simulation.now(), simulation.control());
         let active = control.active().map(|(block, _)| block);
         // A pause between two moves belongs to the block before it.

@@ -76,17 +76,3 @@ pub trait OverrideSource {
         None
     }
 }
-
-impl<D: OverrideSource + ?Sized> OverrideSource for Box<D> {
-    fn begin(&mut self, begun: Option<MoveStart<'_>>) {
-        D::begin(self, begun);
-    }
-
-    fn decide(&mut self, shown: &MachineSignals) -> FeedOverride {
-        D::decide(self, shown)
-    }
-
-    fn decision(&self) -> Option<Decision> {
-        D::decision(self)
-    }
-}

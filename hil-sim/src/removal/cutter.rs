@@ -5,8 +5,7 @@ use arcfeed_nc::machining::ToolInSpindle;
 use arcfeed_nc::modal::Pose;
 use arcfeed_units::{MicroDeg, Micros, Nm};
 
-use crate::override_source::OverrideSource;
-use crate::simulation::{STEP, Simulation};
+use crate::simulated_machine::{STEP, SimulatedMachine};
 use arcfeed_control::action::{MoveContext, WorkpiecePlace};
 use arcfeed_control::drives::limits::AXES;
 use arcfeed_dexel::tool::Tool;
@@ -141,7 +140,7 @@ impl StockCutter {
     ///
     /// # Errors
     /// The remaining stock takes more memory than allowed.
-    pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>) -> Result<(), StockError> {
+    pub fn observe(&mut self, simulation: &SimulatedMachine) -> Result<(), StockError> {
         let active = BlockRef::in_execution(simulation).map(|(block, segment)| (block, segment.start));
         if let (Some((block, start)), Some((before, context))) = (active, self.last)
             && block.count != before.count

@@ -18,8 +18,7 @@ use arcfeed_model::tool::Edge;
 use arcfeed_nc::segment::Segment;
 use nalgebra::Vector2;
 
-use crate::override_source::OverrideSource;
-use crate::simulation::Simulation;
+use crate::simulated_machine::SimulatedMachine;
 use arcfeed_control::drives::limits::AXES;
 use arcfeed_dexel::tool::{Slab, Tool};
 use arcfeed_milling::cutting::engaged_arcs::EdgeCircle;
@@ -135,7 +134,7 @@ impl EngagementMeter {
     }
 
     /// Processes a period of the run.
-    pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
+    pub fn observe(&mut self, simulation: &SimulatedMachine) {
         let executed = BlockRef::in_execution(simulation);
         let in_execution = executed.map(|(block, _)| block);
         if self.last.is_some_and(|last| in_execution.is_some_and(|block| block != last.block)) {

@@ -13,8 +13,7 @@ use arcfeed_model::tool::Edge;
 use arcfeed_units::{Micros, S_PER_MIN};
 use nalgebra::Vector2;
 
-use crate::override_source::OverrideSource;
-use crate::simulation::{STEP, Simulation};
+use crate::simulated_machine::{STEP, SimulatedMachine};
 use arcfeed_milling::cutting::pose::ToolPose;
 use arcfeed_milling::process::{Process, ProcessStep};
 
@@ -117,7 +116,7 @@ impl LoadMeter {
     }
 
     /// Processes a period of the run.
-    pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
+    pub fn observe(&mut self, simulation: &SimulatedMachine) {
         if let Some(Period { section, .. }) = self.periods.observe(simulation) {
             let is_backwards = simulation.control().spindle().is_some_and(|spindle| spindle.rev_per_min() < 0.0);
             let rev_per_min = f64::from(simulation.spindle().0);

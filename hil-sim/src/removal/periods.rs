@@ -3,8 +3,7 @@
 use arcfeed_nc::segment::Segment;
 use arcfeed_units::Micros;
 
-use crate::override_source::OverrideSource;
-use crate::simulation::{STEP, Simulation};
+use crate::simulated_machine::{STEP, SimulatedMachine};
 use arcfeed_control::action::MoveContext;
 use arcfeed_control::drives::limits::AXES;
 
@@ -31,7 +30,7 @@ pub struct Period {
 
 impl Periods {
     /// Processes the period that the simulation has just computed; `None` in the first one, and before the first block.
-    pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>) -> Option<Period> {
+    pub fn observe(&mut self, simulation: &SimulatedMachine) -> Option<Period> {
         if let Some((block, segment)) = BlockRef::in_execution(simulation) {
             self.last = Some((block, *simulation.context(), *segment));
         }

@@ -16,8 +16,7 @@
 use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_units::{Micros, Nm};
 
-use crate::override_source::OverrideSource;
-use crate::simulation::Simulation;
+use crate::simulated_machine::SimulatedMachine;
 use arcfeed_control::action::MoveContext;
 use arcfeed_control::drives::limits::AXES;
 
@@ -48,7 +47,7 @@ pub struct BlockRef {
 
 impl BlockRef {
     /// Block in execution, and its move.
-    pub(super) fn in_execution<D: OverrideSource>(simulation: &Simulation<D>) -> Option<(Self, &Segment)> {
+    pub(super) fn in_execution(simulation: &SimulatedMachine) -> Option<(Self, &Segment)> {
         simulation.control().active().map(|(count, segment)| {
             let is_rapid = segment.path == Path::Rapid;
             (BlockRef { count, sequence: segment.sequence, rule: simulation.rule(), is_rapid }, segment)

@@ -6,7 +6,8 @@ use arcfeed_control::Control;
 use arcfeed_control::code::TapeCode;
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::override_source::controller::InProcessController;
-use arcfeed_hil_sim::simulation::{STEP, Simulation};
+use arcfeed_hil_sim::simulated_machine::STEP;
+use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_milling::cutting::meter::MoveChips;
 
 use crate::tap::bench::{Bench, control, encoded, example, moves};

@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 use arcfeed_control::store::{Store, StoreState};
-use arcfeed_hil_sim::simulation::STEP;
+use arcfeed_hil_sim::simulated_machine::STEP;
 
 use super::super::outcome::{Failure, say};
 use super::super::simulate::control::control_settings;

@@ -2,12 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use arcfeed_hil_sim::override_source::OverrideSource;
 use arcfeed_hil_sim::removal::cutter::StockCutter;
 use arcfeed_hil_sim::removal::load_statistics::LoadStatistics;
 use arcfeed_hil_sim::removal::loads::LoadMeter;
 use arcfeed_hil_sim::removal::rate::RemovedVolume;
-use arcfeed_hil_sim::simulation::{STEP, Simulation};
+use arcfeed_hil_sim::simulated_machine::{STEP, SimulatedMachine};
 use arcfeed_milling::cutting::meter::{ChipMeter, MoveChips};
 use arcfeed_model::report::{ChipFigures, ExcludedSamples};
 use arcfeed_nc::segment::Path as MovePath;
@@ -75,8 +74,8 @@ struct BlockChips {
 impl BlockRecord {
     /// Data of the block in execution at present; `None` if there is none. `line_of` gives the line for the number of
     /// the block.
-    pub fn of<D: OverrideSource>(
-        simulation: &Simulation<D>,
+    pub fn of(
+        simulation: &SimulatedMachine,
         line_of: impl FnOnce(u32) -> Option<usize>,
     ) -> Option<Self> {
         let control = simulation.control();

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::iter;
 
-use arcfeed_hil_sim::simulation::PlannedConditions;
+use arcfeed_hil_sim::planned_conditions::PlannedConditions;
 use arcfeed_law::move_table::MoveTable;
 use arcfeed_model::engaged::EngagedTable;
 use arcfeed_model::job::FeedPolicy;

@@ -1,7 +1,6 @@
 //! Log of a run: its moves, and the feed and the chip load over time.
 
-use arcfeed_hil_sim::override_source::OverrideSource;
-use arcfeed_hil_sim::simulation::Simulation;
+use arcfeed_hil_sim::simulated_machine::{STEP, SimulatedMachine};
 use arcfeed_nc::segment::{Path, Segment};
 use arcfeed_units::{Micros, S_PER_MIN};
 
@@ -68,7 +67,7 @@ pub struct Curve(Vec<(Micros, Micros, f64)>);
 
 impl MoveLog {
     /// Records the millisecond that the simulation has just executed.
-    pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
+    pub fn observe(&mut self, simulation: &SimulatedMachine) {
         let (now, control) = (simulation.now(), simulation.control());
         self.overrides.add(now, f64::from(control.override_percent()));
         let Some((block, segment)) = control.active().map(|(count, _)| count).zip(simulation.segment()) else { return };
@@ -110,7 +109,7 @@ impl Curve {
     }
 
     fn add(&mut self, now: Micros, value: f64) {
-        let began = Micros(now.0.saturating_sub(arcfeed_hil_sim::simulation::STEP.0));
+        let began = Micros(now.0.saturating_sub(STEP.0));
         match self.0.last_mut() {
             Some((_, to, last)) if *to == began && (value - *last).abs() <= STEP_RATIO * last.abs() => *to = now,
             _ => {

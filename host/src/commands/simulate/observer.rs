@@ -4,11 +4,10 @@
 use std::ops::ControlFlow;
 use std::sync::atomic::Ordering;
 
-use arcfeed_hil_sim::override_source::OverrideSource;
-use arcfeed_hil_sim::override_source::controller::InProcessController;
 use arcfeed_hil_sim::path_trace::PathTrace;
 use arcfeed_hil_sim::removal::cutter::StockCutter;
 use arcfeed_hil_sim::removal::loads::LoadMeter;
+use arcfeed_hil_sim::simulated_machine::SimulatedMachine;
 use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_units::Micros;
 
@@ -78,7 +77,7 @@ impl RunObserver {
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn finish_tables<D: OverrideSource>(&mut self, simulation: &Simulation<D>) -> Result<(), Failure> {
+    pub fn finish_tables(&mut self, simulation: &SimulatedMachine) -> Result<(), Failure> {
         let Some(tables) = self.tables.take() else { return Ok(()) };
         tables.finish(simulation, self.cutter.as_ref(), self.loads.as_ref())
     }
@@ -87,7 +86,7 @@ impl RunObserver {
     ///
     /// # Errors
     /// The run does not end, the stock needs more memory than permitted, or the tables cannot be written.
-    pub fn run(&mut self, simulation: &mut Simulation<InProcessController>) -> Result<(), Failure> {
+    pub fn run(&mut self, simulation: &mut Simulation) -> Result<(), Failure> {
         let takes_long = self.cutter.as_ref().filter(|_| self.shows).map(|_| "cutting");
         run_observed(simulation, takes_long, |simulation| self.observe(simulation).map(ControlFlow::Continue))?;
         if let Some(cutter) = &mut self.cutter {
@@ -99,7 +98,7 @@ impl RunObserver {
         self.finish_tables(simulation)
     }
 
-    fn observe(&mut self, simulation: &Simulation<InProcessController>) -> Result<(), Failure> {
+    fn observe(&mut self, simulation: &SimulatedMachine) -> Result<(), Failure> {
         self.report_to_caller(simulation)?;
         if let Some(cutter) = &mut self.cutter {
             cutter.observe(simulation).map_err(|error| Failure::Input(format!("{}: {error}", self.place)))?;
@@ -115,7 +114,7 @@ impl RunObserver {
     }
 
     /// Progress for the caller of a command that runs as a function, who may also stop it.
-    fn report_to_caller(&self, simulation: &Simulation<InProcessController>) -> Result<(), Failure> {
+    fn report_to_caller(&self, simulation: &SimulatedMachine) -> Result<(), Failure> {
         let Some(capture) = console::capture() else { return Ok(()) };
         if capture.is_stopped() {
             return Err(Failure::Stopped("stopped by the caller".into()));
@@ -130,7 +129,7 @@ impl RunObserver {
     }
 
     /// Records the millisecond that the simulation has just executed, without cutting the stock.
-    pub fn record<D: OverrideSource>(&mut self, simulation: &Simulation<D>) {
+    pub fn record(&mut self, simulation: &SimulatedMachine) {
         self.log.observe(simulation);
         self.trace.observe(simulation);
         if let Some(tables) = &mut self.tables {
@@ -161,9 +160,9 @@ pub fn write_tables<'o>(
 /// # Errors
 /// The run does not end, or `observe` fails.
 pub fn run_observed(
-    simulation: &mut Simulation<InProcessController>,
+    simulation: &mut Simulation,
     takes_long: Option<&str>,
-    mut observe: impl FnMut(&Simulation<InProcessController>) -> Result<ControlFlow<()>, Failure>,
+    mut observe: impl FnMut(&SimulatedMachine) -> Result<ControlFlow<()>, Failure>,
 ) -> Result<(), Failure> {
     let shown = takes_long.filter(|_| console::capture().is_none());
     let line = shown.map(ProgressLine::begin);

@@ -2,8 +2,7 @@
 
 use arcfeed_control::interpolator::AxisLimited;
 use arcfeed_hil_sim::move_override::MoveOverride;
-use arcfeed_hil_sim::override_source::OverrideSource;
-use arcfeed_hil_sim::simulation::Simulation;
+use arcfeed_hil_sim::simulated_machine::SimulatedMachine;
 use arcfeed_milling::cutting::measured_move::ChipMeasure;
 use arcfeed_milling::cutting::meter::MoveChips;
 use arcfeed_model::cut::{CutRule, Moves};
@@ -31,7 +30,7 @@ pub fn compare(report: &mut RunReport, baseline: RunReport) {
 }
 
 /// Results of everything that the simulation has executed so far.
-pub fn measure<D: OverrideSource>(simulation: &Simulation<D>, job: &Job) -> RunReport {
+pub fn measure(simulation: &SimulatedMachine, job: &Job) -> RunReport {
     let moves: Vec<(&MoveChips, Option<&MoveOverride>)> =
         simulation.meter().moves().iter().zip(simulation.overrides().iter().map(Some)).collect();
     let movements = (0..job.rules.len()).map(|rule| movement(job, rule, &moves)).collect();

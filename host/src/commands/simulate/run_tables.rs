@@ -4,11 +4,10 @@ use std::path::{Path, PathBuf};
 
 use arcfeed_control::drives::limits::AXES;
 use arcfeed_firmware::supervisor::report::{Limit, Reason};
-use arcfeed_hil_sim::override_source::OverrideSource;
 use arcfeed_hil_sim::removal::cutter::StockCutter;
 use arcfeed_hil_sim::removal::loads::LoadMeter;
 use arcfeed_hil_sim::removal::tooth_passes::ToothPass;
-use arcfeed_hil_sim::simulation::Simulation;
+use arcfeed_hil_sim::simulated_machine::SimulatedMachine;
 use arcfeed_model::tool::Edge;
 use arcfeed_units::{Nm, S_PER_MIN};
 
@@ -127,7 +126,7 @@ impl TraceFiles {
 
 impl RunTables {
     /// Adds the rows of one simulated millisecond: the sample, and the tooth passes that `loads` has measured.
-    pub fn observe<D: OverrideSource>(&mut self, simulation: &Simulation<D>, loads: Option<&mut LoadMeter>) {
+    pub fn observe(&mut self, simulation: &SimulatedMachine, loads: Option<&mut LoadMeter>) {
         if self.failure.is_some() {
             return;
         }
@@ -157,9 +156,9 @@ impl RunTables {
     ///
     /// # Errors
     /// A file cannot be written.
-    pub fn finish<D: OverrideSource>(
+    pub fn finish(
         mut self,
-        simulation: &Simulation<D>,
+        simulation: &SimulatedMachine,
         cutter: Option<&StockCutter>,
         loads: Option<&LoadMeter>,
     ) -> Result<(), Failure> {
@@ -224,8 +223,8 @@ impl OpenTable {
 }
 
 /// Row of [`SAMPLES`].
-fn sample_row<D: OverrideSource>(
-    simulation: &Simulation<D>,
+fn sample_row(
+    simulation: &SimulatedMachine,
     record: Option<&BlockRecord>,
 ) -> [Cell<'static>; SAMPLE_COLUMNS] {
     let (control, meter) = (simulation.control(), simulation.meter());
@@ -238,7 +237,7 @@ fn sample_row<D: OverrideSource>(
     };
     let [xw, yw, zw, aw, bw, cw] = from_origin(*control.axes());
     let [xa, ya, za, aa, ba, ca] = from_origin(control.actual_axes());
-    let decision = simulation.source().decision();
+    let decision = simulation.decision();
     let target = meter.target_mm_per_tooth().filter(|_| record.is_some_and(|record| record.rule.is_some()));
     let chip = meter.latest().zip(target);
     [

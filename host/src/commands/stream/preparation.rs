@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use arcfeed_control::code::{TapeCode, with_even_parity};
-use arcfeed_hil_sim::simulation::PlannedConditions;
+use arcfeed_hil_sim::planned_conditions::PlannedConditions;
 use arcfeed_nc::modal::{Feed, PER_MIN_SCALE, Pose};
 use arcfeed_nc::segment::Segment;
 use arcfeed_units::{Micros, S_PER_MIN};

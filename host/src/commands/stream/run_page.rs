@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use arcfeed_hil_sim::override_source::OverrideSource;
-use arcfeed_hil_sim::simulation::Simulation;
+use arcfeed_hil_sim::simulated_machine::SimulatedMachine;
 
 use super::super::outcome::Failure;
 use super::super::simulate::listing::ProgramListing;
@@ -18,12 +17,12 @@ use crate::report::figures::RunReport;
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn write<D: OverrideSource>(
+pub fn write(
     path: &Path,
     ready: &PreparedProgram,
     report: &RunReport,
-    (after, simulation): (&RunObserver, &Simulation<D>),
-    (before, baseline): (&RunObserver, &Simulation),
+    (after, simulation): (&RunObserver, &SimulatedMachine),
+    (before, baseline): (&RunObserver, &SimulatedMachine),
 ) -> Result<(), Failure> {
     let PreparedProgram { file, program, .. } = ready;
     let adapted = adapt_with(program, &file.job, Known::of(file));
