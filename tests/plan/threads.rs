@@ -3,13 +3,14 @@
 use arcfeed_plan::cup_mill::plan::ValuedPlan;
 use arcfeed_plan::optimisation::Problem;
 use arcfeed_plan::proof::verdict::{ProofCase, ProofResolution, prove};
+use arcfeed_tests::of_full_set;
 
 use crate::proof_cases::published_tool;
 use crate::proof_published::{ROUGHING, ranked};
 use crate::published_rotor::blisk;
 
 #[test]
-fn plan_volumes_and_proof_are_the_same_to_the_bit_on_one_thread_five_and_those_of_the_computer() {
+fn plan_volumes_and_proof_are_the_same_to_the_bit_on_any_number_of_threads() {
     let (blisk, tool) = (blisk(), published_tool());
     let slot = blisk.slot();
     let proven = |found: &ValuedPlan| {
@@ -28,10 +29,10 @@ fn plan_volumes_and_proof_are_the_same_to_the_bit_on_one_thread_five_and_those_o
         format!("{found:?} {proof:?}")
     };
     let of_computer = proven(&ranked()[0]);
-    let of_threads = [1, 5].map(|threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    let mut of_threads = of_full_set(&[1, 5][..], &[5]).iter().map(|threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(*threads).build().unwrap();
         let best = || Problem::new(&blisk, &slot, &tool, &ROUGHING).and_then(|problem| problem.best(|_| true)).unwrap();
         pool.install(|| proven(&best()))
     });
-    assert!(of_computer.len() > 1000 && of_threads.iter().all(|found| *found == of_computer));
+    assert!(of_computer.len() > 1000 && of_threads.all(|found| found == of_computer));
 }

@@ -67,8 +67,8 @@ use arcfeed_control::ControlSettings;
 use arcfeed_dexel::deviation::HeightMap;
 use arcfeed_dexel::workpiece::Stock;
 use arcfeed_hil_sim::faults::ControllerFault;
-use arcfeed_hil_sim::removal::marks::WallMark;
 use arcfeed_hil_sim::planned_conditions::PlannedConditions;
+use arcfeed_hil_sim::removal::marks::WallMark;
 use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_units::LengthUnit;
 

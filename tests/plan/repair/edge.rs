@@ -100,7 +100,7 @@ fn planned(
     let points = made(&faces, edge, noise_mm, height_mm);
     let points = points.iter().filter(|at| is_kept(at)).map(|at| at.point);
     let points: Vec<Point> = points.chain(more.iter().copied()).collect();
-    let strip = NominalSurface::with(EdgeStrip::new([&faces[0], &faces[1]], edge).unwrap(), EdgeStrip::foot);
+    let strip = NominalSurface::new(EdgeStrip::new([&faces[0], &faces[1]], edge).unwrap());
     plan(&strip, &blade.edge_heights(&points, &strip, 0.0).unwrap(), &SETTINGS)
 }
 
@@ -109,7 +109,9 @@ fn points_over_an_edge_have_the_feet_and_heights_that_they_were_made_with() {
     let blisk = blisk();
     let faces = sides(&blisk, 1);
     for edge in EDGES {
-        let strip = NominalSurface::with(EdgeStrip::new([&faces[0], &faces[1]], edge).unwrap(), EdgeStrip::foot);
+        let strip = EdgeStrip::new([&faces[0], &faces[1]], edge).unwrap();
+        let angle = strip.edge_angle_rad().to_degrees();
+        let strip = NominalSurface::new(strip);
         let (mut off, mut apart, mut turn, mut on_edge) = (0.0_f64, 0.0_f64, 0.0_f64, 0);
         for at in made(&faces, edge, 0.0, |side, way, span| 0.3 + 0.1 * libm::sin(9.0 * (way + span) + side as f64)) {
             let (foot, on) = strip.foot_and_normal(&at.point);
@@ -124,7 +126,6 @@ fn points_over_an_edge_have_the_feet_and_heights_that_they_were_made_with() {
                 on_edge += 1;
             }
         }
-        let angle = strip.surface().edge_angle_rad().to_degrees();
         println!(
             "{edge:?}: normals {angle:.1} degrees apart; {on_edge} points on the edge; heights off by {off:.1e} mm, feet by {apart:.1e} mm, directions by {turn:.1e}"
         );
@@ -209,7 +210,7 @@ fn points_of_one_side_and_welds_over_the_other_edge_are_refused() {
     let faces = sides(&blisk, 1);
     let blade = NominalBlade::new([&faces[0], &faces[1]], &blisk);
     let edge = BladeEdge::Leading;
-    let strip = NominalSurface::with(EdgeStrip::new([&faces[0], &faces[1]], edge).unwrap(), EdgeStrip::foot);
+    let strip = NominalSurface::new(EdgeStrip::new([&faces[0], &faces[1]], edge).unwrap());
     let points = made(&faces, edge, 0.0, weld);
     let pressure: Vec<Point> = points.iter().filter(|at| at.side == 0 && at.way > 0.01).map(|at| at.point).collect();
     let refused = blade.edge_heights(&pressure, &strip, 0.0).unwrap_err();

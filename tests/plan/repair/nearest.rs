@@ -1,7 +1,7 @@
 //! Nearest points of surfaces.
 
-use arcfeed_plan::geometry::nearest::nearest;
 use arcfeed_plan::geometry::surface::Surface;
+use arcfeed_plan::geometry::surface::nearest;
 use arcfeed_plan::vector::Point;
 
 use super::surfaces::{Plain, Sheet};

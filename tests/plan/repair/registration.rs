@@ -1,7 +1,7 @@
 //! Registration of measured points.
 
-use arcfeed_plan::geometry::nearest::nearest;
 use arcfeed_plan::geometry::surface::Surface;
+use arcfeed_plan::geometry::surface::nearest;
 use arcfeed_plan::repair::registration::{
     NominalFoot, RegistrationError, RegistrationSettings, RigidMotion, fit, register,
 };

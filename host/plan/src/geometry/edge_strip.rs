@@ -14,8 +14,7 @@
 use thiserror::Error;
 
 use super::face::{Face, Jet};
-use super::nearest::{Foot, nearest};
-use super::surface::{SpanwiseFace, Surface, Unfolded};
+use super::surface::{Foot, SpanwiseFace, Surface, Unfolded};
 use crate::vector::{Point, Vector};
 
 /// h of (3): about the size of a weld.
@@ -209,26 +208,6 @@ impl<'f> EdgeStrip<'f> {
         }
     }
 
-    /// Nearest point of the strip; `seed` are its parameters nearby.
-    pub fn foot(&self, point: &Point, [span, v]: [f64; 2]) -> Foot {
-        let way = match piece(self.course(v).0) {
-            Piece::Side(_, way) => way,
-            Piece::Edge(_) => 0.0,
-        };
-        let on = |side: usize| nearest(&SpanwiseFace(self.sides[side]), point, [span, self.face_u(way)]);
-        let (pressure, suction) = (on(0), on(1));
-        let (side, foot) = if suction.distance_mm < pressure.distance_mm { (1, suction) } else { (0, pressure) };
-        let [span, face_u] = foot.at;
-        let way = self.way(face_u);
-        let course = if way > 0.0 {
-            if side == 0 { 1.0 - way } else { 2.0 + way }
-        } else {
-            1.0 + self.edge_at(span).share(point)
-        };
-        let is_on_border = span <= 0.0 || span >= 1.0 || way >= 1.0;
-        Foot { at: [span, self.v(course)], is_on_border, ..foot }
-    }
-
     /// Edge over which the strip runs.
     pub fn edge(&self) -> BladeEdge {
         self.edge
@@ -309,6 +288,25 @@ impl Surface for EdgeStrip<'_> {
 
     fn point_and_normal(&self, [span, v]: [f64; 2]) -> (Point, Vector) {
         self.node(span, piece(self.course(v).0))
+    }
+
+    fn foot(&self, point: &Point, [span, v]: [f64; 2]) -> Foot {
+        let way = match piece(self.course(v).0) {
+            Piece::Side(_, way) => way,
+            Piece::Edge(_) => 0.0,
+        };
+        let on = |side: usize| SpanwiseFace(self.sides[side]).foot(point, [span, self.face_u(way)]);
+        let (pressure, suction) = (on(0), on(1));
+        let (side, foot) = if suction.distance_mm < pressure.distance_mm { (1, suction) } else { (0, pressure) };
+        let [span, face_u] = foot.at;
+        let way = self.way(face_u);
+        let course = if way > 0.0 {
+            if side == 0 { 1.0 - way } else { 2.0 + way }
+        } else {
+            1.0 + self.edge_at(span).share(point)
+        };
+        let is_on_border = span <= 0.0 || span >= 1.0 || way >= 1.0;
+        Foot { at: [span, self.v(course)], is_on_border, ..foot }
     }
 
     fn gauge_mm(&self) -> f64 {

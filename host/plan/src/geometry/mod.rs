@@ -6,8 +6,6 @@ pub mod face;
 
 pub mod surface;
 
-pub mod nearest;
-
 pub mod edge_strip;
 
 pub mod blisk;

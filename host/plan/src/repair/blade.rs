@@ -7,11 +7,10 @@ use thiserror::Error;
 use super::registration::{NominalFoot, median};
 use super::scan::{HeightSample, NominalSurface};
 use crate::geometry::blisk::{Blisk, Revolution};
-use crate::geometry::edge_strip::{BladeEdge, EdgeStrip};
+use crate::geometry::edge_strip::BladeEdge;
 use crate::geometry::face::Face;
 use crate::geometry::flaws::BladeSide;
-use crate::geometry::nearest::Foot;
-use crate::geometry::surface::{SpanwiseFace, Surface};
+use crate::geometry::surface::{Foot, SpanwiseFace};
 use crate::vector::{Point, Vector};
 
 /// Median distance above which points are not those of this blade, mm.
@@ -45,8 +44,8 @@ pub enum RepairedPart {
 
 /// One blade of a rotor as nominal surfaces.
 pub struct NominalBlade<'f> {
-    pressure: NominalSurface<SpanwiseFace<'f>>,
-    suction: NominalSurface<SpanwiseFace<'f>>,
+    pressure: NominalSurface<'f>,
+    suction: NominalSurface<'f>,
     hub: &'f Revolution,
     blades: u32,
 }
@@ -167,7 +166,7 @@ impl<'f> NominalBlade<'f> {
     }
 
     /// Surface of a side.
-    pub fn side(&self, side: BladeSide) -> &NominalSurface<SpanwiseFace<'f>> {
+    pub fn side(&self, side: BladeSide) -> &NominalSurface<'f> {
         match side {
             BladeSide::Pressure => &self.pressure,
             BladeSide::Suction => &self.suction,
@@ -221,7 +220,7 @@ impl<'f> NominalBlade<'f> {
     pub fn edge_heights(
         &self,
         points: &[Point],
-        strip: &NominalSurface<EdgeStrip<'_>>,
+        strip: &NominalSurface<'_>,
         stylus_mm: f64,
     ) -> Result<Vec<HeightSample>, CloudFault> {
         let sample = |point: &Point| {

@@ -78,7 +78,7 @@ impl MonotoneBorder {
 }
 
 /// u1 of (2) for a border u = g(v) over all v; never below the surface's own range.
-pub fn transition_begin(surface: &impl Surface, border: impl Fn(f64) -> f64, width_mm: f64) -> f64 {
+pub fn transition_begin(surface: &dyn Surface, border: impl Fn(f64) -> f64, width_mm: f64) -> f64 {
     let [us, vs] = surface.ranges();
     let along = |k: usize| vs[0] + (vs[1] - vs[0]) * k as f64 / PIECES as f64;
     let line: Vec<Point> = (0..=PIECES).map(|k| surface.jet([border(along(k)), along(k)]).point).collect();

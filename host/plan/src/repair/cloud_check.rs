@@ -6,7 +6,6 @@ use super::blade::{CloudFault, NominalBlade};
 use super::scan::{HeightSample, NominalSurface};
 use crate::geometry::edge_strip::BladeEdge;
 use crate::geometry::flaws::BladeSide;
-use crate::geometry::surface::Surface;
 use crate::vector::Point;
 
 /// Most points that are examined for outliers; of more points every k-th is taken.
@@ -20,11 +19,7 @@ const WELD_POINTS: usize = 3;
 ///
 /// # Errors
 /// Names the highest one.
-pub fn check_tip<S: Surface + Sync>(
-    points: &[Point],
-    nominal: &NominalSurface<S>,
-    most_mm: f64,
-) -> Result<(), CloudFault> {
+pub fn check_tip(points: &[Point], nominal: &NominalSurface<'_>, most_mm: f64) -> Result<(), CloudFault> {
     let over = points.par_iter().filter_map(|point| Some((nominal.beyond_tip_mm(point)?, *point)));
     match over.filter(|(beyond_mm, _)| *beyond_mm > most_mm).max_by(|a, b| a.0.total_cmp(&b.0)) {
         Some((beyond_mm, point)) => Err(CloudFault::OverTip { beyond_mm, point }),
@@ -75,11 +70,7 @@ pub fn check_edges(
 ///
 /// # Errors
 /// Counts them, and names the farthest one.
-pub fn check_outliers<S: Surface + Sync>(
-    samples: &[HeightSample],
-    nominal: &NominalSurface<S>,
-    off_mm: f64,
-) -> Result<(), CloudFault> {
+pub fn check_outliers(samples: &[HeightSample], nominal: &NominalSurface<'_>, off_mm: f64) -> Result<(), CloudFault> {
     let every = samples.len().div_ceil(EXAMINED_MAX).max(1);
     let examined: Vec<HeightSample> = samples.iter().step_by(every).copied().collect();
     let heights = nominal.height_field(&examined, 0.0);

@@ -10,7 +10,6 @@
 use super::arc_length::ArcLength;
 use super::scan::{HeightField, NominalSurface};
 use crate::geometry::face::{Face, FaceError};
-use crate::geometry::nearest::nearest;
 use crate::geometry::surface::{SpanwiseFace, Surface, Unfolded};
 use crate::vector::{Point, Vector};
 
@@ -43,11 +42,7 @@ impl AllowanceField {
     ///
     /// # Errors
     /// The measured points define no surface.
-    pub fn new<S: Surface>(
-        nominal: &NominalSurface<S>,
-        heights: &HeightField,
-        spacing_mm: f64,
-    ) -> Result<Self, FaceError> {
+    pub fn new(nominal: &NominalSurface<'_>, heights: &HeightField, spacing_mm: f64) -> Result<Self, FaceError> {
         let mut field = AllowanceField::lattice(nominal.surface(), nominal.lengths_mm(), spacing_mm);
         for node in field.rows.iter_mut().flatten() {
             node.along_mm = heights.height_mm(node.at);
@@ -60,7 +55,7 @@ impl AllowanceField {
     }
 
     /// Lattice without allowances.
-    pub fn lattice(surface: &impl Surface, [along_mm, across_mm]: [f64; 2], spacing_mm: f64) -> Self {
+    pub fn lattice(surface: &dyn Surface, [along_mm, across_mm]: [f64; 2], spacing_mm: f64) -> Self {
         let count = |length_mm: f64| libm::ceil(length_mm / spacing_mm).max(4.0) as usize + 1;
         let [us, vs] = surface.ranges();
         let middle_v = (vs[0] + vs[1]) / 2.0;
@@ -100,7 +95,7 @@ impl AllowanceField {
             for (j, node) in row.iter_mut().enumerate() {
                 let seed = [i as f64 / last_row, j as f64 / last_column];
                 let distance = |along_mm: f64| {
-                    let distance_mm = nearest(&surface, &node.point, seed).distance_mm;
+                    let distance_mm = surface.foot(&node.point, seed).distance_mm;
                     // At the border of the patch the nearest point may be missing.
                     libm::copysign(distance_mm.min(along_mm.abs()), along_mm)
                 };

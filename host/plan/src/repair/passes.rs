@@ -66,7 +66,7 @@ pub struct PassLines {
 }
 
 /// Lines from `from_u` to the tip, between two parameters `vs`; `None` where a hollow is as narrow as the ball, or there would be more points than a control takes.
-pub fn pass_lines(surface: &impl Surface, from_u: f64, vs: [f64; 2], settings: &PassSettings) -> Option<PassLines> {
+pub fn pass_lines(surface: &dyn Surface, from_u: f64, vs: [f64; 2], settings: &PassSettings) -> Option<PassLines> {
     let [us, _] = surface.ranges();
     let probe = |from: f64, to: f64, k: usize| from + (to - from) * k as f64 / (PROBES - 1) as f64;
     let mut step_mm = f64::INFINITY;
@@ -95,7 +95,7 @@ pub fn pass_lines(surface: &impl Surface, from_u: f64, vs: [f64; 2], settings: &
 /// A line u = const, measured in chords of the tolerance: equal parts of it are dense where it is curved. Over an edge the path of the ball's centre is
 /// measured, because the contact hardly moves there.
 fn chords<'s>(
-    surface: &'s impl Surface,
+    surface: &'s dyn Surface,
     u: f64,
     vs: [f64; 2],
     settings: &PassSettings,
@@ -113,7 +113,7 @@ fn chords<'s>(
 }
 
 /// Normal curvatures along the first and the second parameter, positive if convex.
-fn curvatures_per_mm(surface: &impl Surface, at: [f64; 2]) -> [f64; 2] {
+fn curvatures_per_mm(surface: &dyn Surface, at: [f64; 2]) -> [f64; 2] {
     let jet = surface.jet(at);
     // On an edge the derivatives define no normal.
     let is_over_edge = surface.is_over_edge();
@@ -126,7 +126,7 @@ impl PassLines {
     /// Contact points of each line from the leading to the trailing edge, with what is left at a place.
     pub fn contacts(
         &self,
-        surface: &impl Surface,
+        surface: &dyn Surface,
         left_mm: impl Fn([f64; 2], &Point) -> f64,
     ) -> Vec<Vec<RepairContact>> {
         let line = |u: &f64| {
@@ -139,7 +139,7 @@ impl PassLines {
 }
 
 /// (1)
-fn contact(surface: &impl Surface, at: [f64; 2], left_mm: impl Fn([f64; 2], &Point) -> f64) -> RepairContact {
+fn contact(surface: &dyn Surface, at: [f64; 2], left_mm: impl Fn([f64; 2], &Point) -> f64) -> RepairContact {
     let displaced = |at: [f64; 2]| {
         let (point, normal) = surface.point_and_normal(at);
         let left = left_mm(at, &point);

@@ -38,11 +38,7 @@ pub struct RepairSettings {
 
 impl RepairSettings {
     /// Measured heights of a side.
-    pub fn height_field<S: Surface + Sync>(
-        &self,
-        nominal: &NominalSurface<S>,
-        samples: &[HeightSample],
-    ) -> HeightField {
+    pub fn height_field(&self, nominal: &NominalSurface<'_>, samples: &[HeightSample]) -> HeightField {
         // Dense clouds end farther than three spacings beside the edges; what is smaller than the lattice's cells is in no place of it.
         let usual_mm = || nominal.usual_hole_mm(samples.len()).max(self.spacing_mm);
         nominal.height_field(samples, self.hole_mm.unwrap_or_else(usual_mm))
@@ -155,8 +151,8 @@ fn place(point: &Point) -> String {
 ///
 /// # Errors
 /// Describes why there is no plan, with the place and the amount.
-pub fn plan<S: Surface + Sync>(
-    nominal: &NominalSurface<S>,
+pub fn plan(
+    nominal: &NominalSurface<'_>,
     samples: &[HeightSample],
     settings: &RepairSettings,
 ) -> Result<RepairPlan, RepairInfeasible> {
@@ -274,7 +270,7 @@ fn check_around(field: &AllowanceField, regions: &RepairRegions) -> Result<(), R
 /// Corrects the allowance of the weld on an edge, where heights from beside it say little of what stands in front of it. Without a measured point there a place
 /// is a hole. Points of the weld behind what is to be left are nearest to a side: of them the highest along the normal of the edge counts.
 fn correct_edge(
-    surface: &impl Surface,
+    surface: &dyn Surface,
     samples: &[HeightSample],
     field: &mut AllowanceField,
     heights: &HeightField,
@@ -352,7 +348,7 @@ fn greatest_mm(field: &AllowanceField, regions: &RepairRegions) -> f64 {
 
 /// Rough layers where material stands above them.
 fn layers(
-    surface: &impl Surface,
+    surface: &dyn Surface,
     lines: &PassLines,
     settings: &RepairSettings,
     greatest_mm: f64,

@@ -74,7 +74,7 @@ pub struct RepairRegions {
 }
 
 /// Regions of a measured side; `None` if no place is to be repaired.
-pub fn regions(surface: &impl Surface, field: &AllowanceField, settings: &RegionSettings) -> Option<RepairRegions> {
+pub fn regions(surface: &dyn Surface, field: &AllowanceField, settings: &RegionSettings) -> Option<RepairRegions> {
     let old_mm = |is_beyond: bool| old_deviation_mm(field, is_beyond, settings.threshold_mm);
     let before_mm = old_mm(false);
     let old_mm = [before_mm, if surface.is_over_edge() { old_mm(true) } else { before_mm }];
@@ -275,7 +275,7 @@ fn pieces(field: &AllowanceField, repaired: &[Vec<bool>]) -> Vec<[Point; 2]> {
 }
 
 fn allowance(
-    surface: &impl Surface,
+    surface: &dyn Surface,
     field: &AllowanceField,
     border: &RepairBorder,
     old_mm: f64,

@@ -15,8 +15,7 @@ use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
 use super::registration::NominalFoot;
-use crate::geometry::nearest::{Foot, nearest};
-use crate::geometry::surface::Surface;
+use crate::geometry::surface::{Foot, Surface};
 use crate::vector::Point;
 
 /// Seeds along both parameters.
@@ -35,10 +34,8 @@ const AMPLIFICATION_MAX: f64 = 2.0;
 const HOLE_SPACINGS: f64 = 3.0;
 
 /// Nominal surface, prepared for finding the nearest point to a measured one.
-pub struct NominalSurface<S> {
-    surface: S,
-    /// Nearest point, from a seed.
-    find: fn(&S, &Point, [f64; 2]) -> Foot,
+pub struct NominalSurface<'s> {
+    surface: Box<dyn Surface + 's>,
     seeds: RTree<GeomWithData<[f64; 3], [f64; 2]>>,
     /// Mean lengths of the lines of both parameters, mm.
     lengths_mm: [f64; 2],
@@ -62,14 +59,10 @@ pub struct HeightField {
     hole_mm: f64,
 }
 
-impl<S: Surface> NominalSurface<S> {
+impl<'s> NominalSurface<'s> {
     /// Prepares a surface for finding nearest points.
-    pub fn new(surface: S) -> Self {
-        NominalSurface::with(surface, nearest)
-    }
-
-    /// Prepares a surface with its own way to find the nearest point from a seed.
-    pub fn with(surface: S, find: fn(&S, &Point, [f64; 2]) -> Foot) -> Self {
+    pub fn new(surface: impl Surface + 's) -> Self {
+        let surface = Box::new(surface);
         let [us, vs] = surface.ranges();
         let place =
             |range: [f64; 2], k: usize, count: usize| range[0] + (range[1] - range[0]) * k as f64 / (count - 1) as f64;
@@ -91,12 +84,12 @@ impl<S: Surface> NominalSurface<S> {
         let lengths_mm = [along / SEEDS[1] as f64, across / SEEDS[0] as f64];
         let seeds = rows.into_iter().flatten().map(|(point, at)| GeomWithData::new(point.into(), at)).collect();
         let area_mm2 = lengths_mm[0] * lengths_mm[1];
-        NominalSurface { surface, find, seeds: RTree::bulk_load(seeds), lengths_mm, area_mm2 }
+        NominalSurface { surface, seeds: RTree::bulk_load(seeds), lengths_mm, area_mm2 }
     }
 
     /// The surface itself.
-    pub fn surface(&self) -> &S {
-        &self.surface
+    pub fn surface(&self) -> &(dyn Surface + 's) {
+        &*self.surface
     }
 
     /// Mean lengths of the lines of both parameters, mm.
@@ -110,7 +103,7 @@ impl<S: Surface> NominalSurface<S> {
 
     /// Nearest point of the surface, with its parameters.
     pub fn foot(&self, point: &Point) -> Foot {
-        (self.find)(&self.surface, point, self.seed(point))
+        self.surface.foot(point, self.seed(point))
     }
 
     /// Height of a point above the end of the surface at the tip; `None` if its nearest point lies elsewhere, or farther than a weld is thick.
@@ -136,9 +129,7 @@ impl<S: Surface> NominalSurface<S> {
         let foot = self.foot(point);
         (foot, NominalFoot { point: foot.point, normal: self.surface.point_and_normal(foot.at).1 })
     }
-}
 
-impl<S: Surface + Sync> NominalSurface<S> {
     /// Heights (1) of the points above the surface; those whose nearest point lies on its border belong to something else.
     pub fn heights(&self, points: &[Point], stylus_mm: f64) -> Vec<HeightSample> {
         let sample = |point: &Point| {

@@ -74,10 +74,7 @@ struct BlockChips {
 impl BlockRecord {
     /// Data of the block in execution at present; `None` if there is none. `line_of` gives the line for the number of
     /// the block.
-    pub fn of(
-        simulation: &SimulatedMachine,
-        line_of: impl FnOnce(u32) -> Option<usize>,
-    ) -> Option<Self> {
+    pub fn of(simulation: &SimulatedMachine, line_of: impl FnOnce(u32) -> Option<usize>) -> Option<Self> {
         let control = simulation.control();
         let (block, segment) = control.active()?;
         Some(BlockRecord {

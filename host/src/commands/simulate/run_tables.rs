@@ -223,10 +223,7 @@ impl OpenTable {
 }
 
 /// Row of [`SAMPLES`].
-fn sample_row(
-    simulation: &SimulatedMachine,
-    record: Option<&BlockRecord>,
-) -> [Cell<'static>; SAMPLE_COLUMNS] {
+fn sample_row(simulation: &SimulatedMachine, record: Option<&BlockRecord>) -> [Cell<'static>; SAMPLE_COLUMNS] {
     let (control, meter) = (simulation.control(), simulation.meter());
     let origin = simulation.context().origin;
     let [x, y, z] = origin.linear.map(Nm::to_mm);

@@ -6,7 +6,6 @@ use arcfeed_plan::geometry::edge_strip::EdgeStrip;
 use arcfeed_plan::geometry::face::Face;
 use arcfeed_plan::geometry::flaws::BladeSide;
 use arcfeed_plan::geometry::mesh::Triangle;
-use arcfeed_plan::geometry::surface::Surface;
 use arcfeed_plan::repair::blade::{NominalBlade, RepairedPart, sides};
 use arcfeed_plan::repair::cloud_check::{check_edges, check_outliers, check_tip};
 use arcfeed_plan::repair::evenness::{AllowancePlace, EvenMotion, most_even};
@@ -80,6 +79,9 @@ impl RepairResult {
         note(format_args!("planning the path, then proving every move of the whole mill"));
         let solids = nominal.solids(&file, &plan);
         let path = path(&file, &plan, &solids, &faces[0])?;
+        // They borrow the file.
+        drop(nominal);
+        drop(blade);
         Ok(RepairResult { registration, even, used: samples.len(), plan, predicted_mm, solids, path, file })
     }
 }
@@ -131,7 +133,7 @@ fn registration(file: &RepairFile, blade: &NominalBlade<'_>, face: &Face) -> Res
 /// Nominal surface of the part that is repaired.
 enum Nominal<'b, 'f> {
     Side(&'b NominalBlade<'f>, BladeSide),
-    Edge(&'b NominalBlade<'f>, Box<NominalSurface<EdgeStrip<'f>>>),
+    Edge(&'b NominalBlade<'f>, Box<(EdgeStrip<'f>, NominalSurface<'f>)>),
 }
 
 impl<'b, 'f> Nominal<'b, 'f> {
@@ -140,15 +142,23 @@ impl<'b, 'f> Nominal<'b, 'f> {
             RepairedPart::Side(side) => Ok(Nominal::Side(blade, side)),
             RepairedPart::Edge(edge) => {
                 let strip = EdgeStrip::new(faces, edge).map_err(|open| open.to_string())?;
-                Ok(Nominal::Edge(blade, Box::new(NominalSurface::with(strip, EdgeStrip::foot))))
+                let surface = NominalSurface::new(strip.clone());
+                Ok(Nominal::Edge(blade, Box::new((strip, surface))))
             }
+        }
+    }
+
+    fn surface(&self) -> &NominalSurface<'f> {
+        match self {
+            Nominal::Side(blade, side) => blade.side(*side),
+            Nominal::Edge(_, edge) => &edge.1,
         }
     }
 
     fn heights(&self, points: &[Point], stylus_mm: f64) -> Result<Vec<HeightSample>, String> {
         let found = match self {
             Nominal::Side(blade, side) => blade.heights(points, *side, stylus_mm),
-            Nominal::Edge(blade, strip) => blade.edge_heights(points, strip, stylus_mm),
+            Nominal::Edge(blade, edge) => blade.edge_heights(points, &edge.1, stylus_mm),
         };
         found.map_err(|fault| fault.to_string())
     }
@@ -156,14 +166,8 @@ impl<'b, 'f> Nominal<'b, 'f> {
     fn check_points(&self, file: &RepairFile, points: &[Point], samples: &[HeightSample]) -> Result<(), String> {
         let off_mm = file.settings.regions.threshold_mm;
         let most_mm = file.stylus_mm + off_mm;
-        let found = match self {
-            Nominal::Side(blade, side) => check_outliers(samples, blade.side(*side), off_mm)
-                .and_then(|()| check_tip(points, blade.side(*side), most_mm)),
-            Nominal::Edge(_, strip) => {
-                check_outliers(samples, strip, off_mm).and_then(|()| check_tip(points, strip, most_mm))
-            }
-        };
-        found.map_err(|fault| fault.to_string())
+        let found = check_outliers(samples, self.surface(), off_mm);
+        found.and_then(|()| check_tip(points, self.surface(), most_mm)).map_err(|fault| fault.to_string())
     }
 
     fn check_edges(&self, file: &RepairFile, points: &[Point]) -> Result<(), String> {
@@ -173,11 +177,7 @@ impl<'b, 'f> Nominal<'b, 'f> {
     }
 
     fn plan(&self, samples: &[HeightSample], settings: &RepairSettings) -> Result<RepairPlan, String> {
-        let found = match self {
-            Nominal::Side(blade, side) => plan(blade.side(*side), samples, settings),
-            Nominal::Edge(_, strip) => plan(strip, samples, settings),
-        };
-        found.map_err(|why| why.to_string())
+        plan(self.surface(), samples, settings).map_err(|why| why.to_string())
     }
 
     /// Blade before and after finishing.
@@ -185,8 +185,8 @@ impl<'b, 'f> Nominal<'b, 'f> {
         let (blisk, blade) = (&file.part.blisk, file.blade);
         match self {
             Nominal::Side(_, side) => [standing_blade, left_blade].map(|solid| solid(blisk, blade, *side, plan)),
-            Nominal::Edge(_, strip) => {
-                [standing_edge(blisk, blade, strip.surface(), plan), left_edge(blisk, blade, strip.surface(), plan)]
+            Nominal::Edge(_, edge) => {
+                [standing_edge(blisk, blade, &edge.0, plan), left_edge(blisk, blade, &edge.0, plan)]
             }
         }
     }
@@ -194,18 +194,15 @@ impl<'b, 'f> Nominal<'b, 'f> {
     /// Motion that makes the repaired region's allowance most even.
     fn evened(&self, file: &RepairFile, points: &[Point], centre: &Point) -> Result<EvenMotion, String> {
         let samples = self.heights(points, file.stylus_mm)?;
-        let places = match self {
-            Nominal::Side(blade, side) => places(blade.side(*side), &samples, &file.settings),
-            Nominal::Edge(_, strip) => places(strip, &samples, &file.settings),
-        }?;
+        let places = places(self.surface(), &samples, &file.settings)?;
         let tolerance = file.tolerance.as_ref().ok_or("the datums allow no motion")?;
         most_even(&places, centre, tolerance).ok_or_else(|| "the most even allowance was not found".into())
     }
 }
 
 /// Places of the repaired region with their allowances.
-fn places<S: Surface + Sync>(
-    nominal: &NominalSurface<S>,
+fn places(
+    nominal: &NominalSurface<'_>,
     samples: &[HeightSample],
     settings: &RepairSettings,
 ) -> Result<Vec<AllowancePlace>, String> {
