@@ -74,6 +74,8 @@ pub struct PathTrace {
     least_mm_per_min: f64,
     /// Positions since the last point.
     passed: Vec<[f64; 3]>,
+    /// Distance of none of them from the chord to the last one is larger, mm.
+    off_max_mm: f64,
 }
 
 impl Default for PathTrace {
@@ -94,6 +96,7 @@ impl PathTrace {
             open: None,
             least_mm_per_min: 0.0,
             passed: Vec::new(),
+            off_max_mm: 0.0,
         }
     }
 
@@ -172,7 +175,8 @@ impl PathTrace {
     }
 
     fn add(&mut self, next: TracePoint) {
-        match self.open {
+        let open = self.open;
+        match open {
             Some(open) if self.continues(&open, &next) => {
                 self.least_mm_per_min = self.least_mm_per_min.min(next.feed_mm_per_min);
                 self.open = Some(merged(&open, next));
@@ -194,15 +198,13 @@ impl PathTrace {
     }
 
     /// Whether the interval may go on to this period.
-    fn continues(&self, open: &TracePoint, next: &TracePoint) -> bool {
+    fn continues(&mut self, open: &TracePoint, next: &TracePoint) -> bool {
         let is_near = |a: f64, b: f64| (a - b).abs() <= CHANGE_RATIO * a.abs().max(b.abs());
         let chips_agree = match (open.chip_ratio, next.chip_ratio) {
             (Some(open), Some(next)) => is_near(open, next),
             (open, next) => open.is_some() == next.is_some(),
         };
-        let Some(from) = self.points.last() else { return false };
-        let chord_mm = difference(next.position_mm, from.position_mm);
-        let is_near_chord = |passed: &Vector| off_mm(&difference(*passed, from.position_mm), &chord_mm) <= TOLERANCE_MM;
+        let Some(from) = self.points.last().copied() else { return false };
         (open.block, open.is_rapid, open.tool) == (next.block, next.is_rapid, next.tool)
             && from.axis.iter().zip(next.axis).map(|(a, b)| a * b).sum::<f64>() >= SAME_AXIS_RATIO
             && is_near(open.feed_mm_per_min, next.feed_mm_per_min)
@@ -210,11 +212,24 @@ impl PathTrace {
             && chips_agree
             && open.percent.abs_diff(next.percent) <= 1
             && next.at.since(from.at) <= INTERVAL_MAX
-            && self.passed.iter().all(is_near_chord)
+            && self.is_straight(from.position_mm, next.position_mm)
+    }
+
+    /// Whether the way is straight to this position, too.
+    fn is_straight(&mut self, from_mm: Vector, next_mm: Vector) -> bool {
+        let chord_mm = difference(next_mm, from_mm);
+        let off = |passed: &Vector| off_mm(&difference(*passed, from_mm), &chord_mm);
+        // Of two chords with one beginning, no point of the one is farther from the other than its end is.
+        self.off_max_mm += self.passed.last().map_or(0.0, off);
+        if self.off_max_mm > TOLERANCE_MM {
+            self.off_max_mm = self.passed.iter().map(off).fold(0.0, f64::max);
+        }
+        self.off_max_mm <= TOLERANCE_MM
     }
 
     fn close(&mut self) {
         self.passed.clear();
+        self.off_max_mm = 0.0;
         if let Some(open) = self.open.take() {
             self.push(open);
         }

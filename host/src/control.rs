@@ -33,7 +33,7 @@ use arcfeed_nc::settings::{
     ArcCenters, COMPENSATION_BLOCKS_MAX, COMPENSATION_BLOCKS_MIN, CompensationSettings, CompensationType, Decimals,
     OFFSETS, Preset, SYSTEMS, Settings, StartUp, Tables,
 };
-use arcfeed_units::{LengthUnit, MICRODEG_PER_DEG, MicroDeg, Nm};
+use arcfeed_units::{LengthUnit, MicroDeg, Nm};
 use serde::Deserialize;
 use toml::Spanned;
 
@@ -209,7 +209,7 @@ fn parse(preset: Preset, reading: Reading, text: &str) -> Result<LoadedSettings,
     let length = |value: f64| Nm::from_mm(value * unit.mm());
     let pose = |axes: &Axes| Pose {
         linear: [axes.X, axes.Y, axes.Z].map(length),
-        rotary: [axes.A, axes.B, axes.C].map(|deg| MicroDeg(libm::round(deg * MICRODEG_PER_DEG as f64) as i64)),
+        rotary: [axes.A, axes.B, axes.C].map(MicroDeg::from_deg),
     };
     let mut settings = Settings::preset(preset, unit, reading);
     let mut tables = Tables::default();

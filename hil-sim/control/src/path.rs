@@ -175,10 +175,7 @@ fn circular(start: Vector3<f64>, arc: &Arc, rise: f64) -> Shape {
 /// Position of the axes in whole nanometres and microdegrees.
 pub fn to_pose(axes: &[f64; AXES]) -> Pose {
     let [x, y, z, a, b, c] = *axes;
-    Pose {
-        linear: [x, y, z].map(Nm::from_mm),
-        rotary: [a, b, c].map(|degrees| MicroDeg(libm::round(degrees * DEG) as i64)),
-    }
+    Pose { linear: [x, y, z].map(Nm::from_mm), rotary: [a, b, c].map(MicroDeg::from_deg) }
 }
 
 fn to_mm(pose: &Pose) -> Vector3<f64> {

@@ -176,7 +176,7 @@ impl Modal {
         Polar {
             radius: Nm(libm::round(libm::hypot(x, y)) as i64),
             pole: [Nm(0); 2],
-            angle: MicroDeg(libm::round(degrees * arcfeed_units::MICRODEG_PER_DEG as f64) as i64),
+            angle: MicroDeg::from_deg(degrees),
         }
     }
 }

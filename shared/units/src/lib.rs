@@ -50,8 +50,16 @@ impl Nm {
 
     /// The nearest whole nanometre to a length in millimetres; beyond the range the nearest end of it, for NaN zero.
     pub fn from_mm(mm: f64) -> Self {
-        Nm(libm::round(mm * NM_PER_MM as f64) as i64)
+        Nm(nearest(mm * NM_PER_MM as f64))
     }
+}
+
+/// The nearest whole number, halves away from zero; beyond the range the nearest end of it, for NaN zero.
+fn nearest(value: f64) -> i64 {
+    let whole = value as i64;
+    // Exact: numbers too large for that have no fraction.
+    let rest = value - whole as f64;
+    whole.saturating_add(i64::from(rest >= 0.5) - i64::from(rest <= -0.5))
 }
 
 /// An angle of a rotary axis in whole microdegrees.
@@ -63,6 +71,11 @@ impl MicroDeg {
     /// The same angle in degrees.
     pub fn to_deg(self) -> f64 {
         self.0 as f64 / MICRODEG_PER_DEG as f64
+    }
+
+    /// The nearest whole microdegree to an angle in degrees; beyond the range the nearest end of it, for NaN zero.
+    pub fn from_deg(deg: f64) -> Self {
+        MicroDeg(nearest(deg * MICRODEG_PER_DEG as f64))
     }
 }
 
@@ -198,6 +211,17 @@ mod tests {
     fn an_inch_is_the_same_in_every_constant() {
         assert_eq!(NM_PER_INCH as f64, MM_PER_INCH * NM_PER_MM as f64);
         assert_eq!(Nm(NM_PER_INCH).to_mm(), LengthUnit::Inch.mm());
+    }
+
+    #[test]
+    fn the_nearest_whole_number_is_that_of_libm() {
+        let bits = |k: u64| k.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+        let any = (0..100_000).map(|k| f64::from_bits(bits(k)));
+        let half = (0..100_000).map(|k| (bits(k) >> (k % 64)) as f64 + 0.5);
+        let edges = [0.499_999_999_999_999_94, 4_503_599_627_370_495.5, 9.3e18, f64::MAX, f64::INFINITY, f64::NAN];
+        for value in any.chain(half).chain(edges).flat_map(|value| [value, -value]) {
+            assert_eq!(nearest(value), libm::round(value) as i64, "{value:e}");
+        }
     }
 
     #[test]
