@@ -193,7 +193,7 @@ impl NearPoints {
         NearPoints { centre, reach_mm, sides, lanes }
     }
 
-    /// Of the pressure side, points up to twice the reach farther from the centre than the nearest one; of the suction side, up to twice the
+    /// Points of the pressure side up to twice the reach farther from the centre than the nearest one, and of the suction side up to twice the
     /// reach nearer than the farthest one. Seen from another centre, each distance differs by the reach at most.
     fn of([pressure, suction]: &[Vec<Flat>; 2], centre: Flat, reach_mm: f64) -> Self {
         let spread_mm = 2.0 * reach_mm + ROUNDING_MM;
