@@ -74,7 +74,7 @@ pub struct PathTrace {
     least_mm_per_min: f64,
     /// Positions since the last point.
     passed: Vec<[f64; 3]>,
-    /// Distance of none of them from the chord to the last one is larger, mm.
+    /// Upper bound of their distances from the chord to the last of them.
     off_max_mm: f64,
 }
 
@@ -311,6 +311,31 @@ mod tests {
         let least = std::f64::consts::TAU / (2.0 * libm::acos(1.0 - TOLERANCE_MM / radius_mm));
         let found = format!("{} points for {least:.0}, sagitta {largest_mm:.4} mm", points.len());
         assert!(largest_mm <= TOLERANCE_MM + 1e-9 && (points.len() as f64) < 1.1 * least + 3.0, "{found}");
+    }
+
+    #[test]
+    fn chords_end_where_a_comparison_of_all_positions_ends_them() {
+        let mut at = [0.0; 3];
+        let way = (0..5_000).map(|k| {
+            let k = f64::from(k);
+            let (sin, cos) = libm::sincos(3.0 * libm::sin(2e-3 * k) + 0.4 * libm::sin(3e-2 * k));
+            at = [at[0] + 0.05 * cos, at[1] + 0.05 * sin, at[2] + 0.02 * libm::sin(1e-2 * k)];
+            at
+        });
+        let way: Vec<Vector> = way.collect();
+        let (mut ends, mut from) = (vec![way[0]], 0);
+        for next in 2..way.len() {
+            let chord_mm = difference(way[next], way[from]);
+            let off = |passed: &Vector| off_mm(&difference(*passed, way[from]), &chord_mm);
+            if way[from + 1..next].iter().any(|passed| off(passed) > TOLERANCE_MM) {
+                ends.push(way[next - 1]);
+                from = next - 1;
+            }
+        }
+        ends.push(way[way.len() - 1]);
+        let found = trace(1 << 18, (0..).zip(&way).map(|(ms, at)| point(ms, *at, 1)));
+        let found: Vec<Vector> = found.iter().map(|point| point.position_mm).collect();
+        assert!(found == ends && found.len() > 100, "{} chords, {} by comparison", found.len(), ends.len());
     }
 
     #[test]
