@@ -17,6 +17,12 @@ import linuxcnc
 
 # Longest wait for an order to be carried out, on a loaded computer.
 ORDER_SECONDS = 30
+# Longest wait for a program to be in force, on a loaded computer.
+LOAD_SECONDS = 10
+# Most presses of the button that arms.
+PRESSES_MAX = 5
+# State of the component before it is armed.
+IDLE = "0"
 # Between two readings of the times that the functions took.
 READING_SECONDS = 0.1
 
@@ -67,6 +73,16 @@ def begin(command, stat, line):
     say(error="LinuxCNC does not begin the program")
 
 
+def arm():
+    """Presses until the component is armed, which it is after the first time if program and machine are ready; returns how often."""
+    for presses in range(1, PRESSES_MAX + 1):
+        press("arcfeed.arm")
+        time.sleep(0.3)
+        if pin("arcfeed.state") != IDLE:
+            break
+    return presses
+
+
 def stop(signal, name):
     subprocess.run(["pkill", signal, "-u", str(os.getuid()), "-f", name], check=True)
 
@@ -111,16 +127,15 @@ def main():
     run_mode()
     command.program_open(wanted["program"])
     command.wait_complete(ORDER_SECONDS)
-    stat.poll()
-    for _ in range(40):
-        if stat.file == wanted["program"] and pin("arcfeed.moves") != "0" and pin("arcfeed-program.valid") == "TRUE":
+    until = time.time() + LOAD_SECONDS
+    while time.time() < until:
+        stat.poll()
+        is_loaded = not wanted["arm"] or pin("arcfeed.moves") != "0" and pin("arcfeed-program.valid") == "TRUE"
+        if stat.file == wanted["program"] and is_loaded:
             break
         time.sleep(0.05)
-        stat.poll()
-    if wanted["arm"]:
-        press("arcfeed.arm")
-        time.sleep(0.3)
-    say(moves=pin("arcfeed.moves"), load=pin("arcfeed.load-status"), state=pin("arcfeed.state"),
+    presses = arm() if wanted["arm"] else 0
+    say(moves=pin("arcfeed.moves"), load=pin("arcfeed.load-status"), presses=presses, state=pin("arcfeed.state"),
         refusal=pin("arcfeed.refusal"), inhibit=pin("motion.feed-inhibit"))
     times = {name: [] for name in FUNCTIONS}
     most = {name: pin(name + ".tmax") for name in FUNCTIONS}

@@ -133,7 +133,7 @@ fn registration(file: &RepairFile, blade: &NominalBlade<'_>, face: &Face) -> Res
 /// Nominal surface of the part that is repaired.
 enum Nominal<'b, 'f> {
     Side(&'b NominalBlade<'f>, BladeSide),
-    Edge(&'b NominalBlade<'f>, Box<(EdgeStrip<'f>, NominalSurface<'f>)>),
+    Edge { blade: &'b NominalBlade<'f>, strip: EdgeStrip<'f>, surface: NominalSurface<'f> },
 }
 
 impl<'b, 'f> Nominal<'b, 'f> {
@@ -143,7 +143,7 @@ impl<'b, 'f> Nominal<'b, 'f> {
             RepairedPart::Edge(edge) => {
                 let strip = EdgeStrip::new(faces, edge).map_err(|open| open.to_string())?;
                 let surface = NominalSurface::new(strip.clone());
-                Ok(Nominal::Edge(blade, Box::new((strip, surface))))
+                Ok(Nominal::Edge { blade, strip, surface })
             }
         }
     }
@@ -151,14 +151,14 @@ impl<'b, 'f> Nominal<'b, 'f> {
     fn surface(&self) -> &NominalSurface<'f> {
         match self {
             Nominal::Side(blade, side) => blade.side(*side),
-            Nominal::Edge(_, edge) => &edge.1,
+            Nominal::Edge { surface, .. } => surface,
         }
     }
 
     fn heights(&self, points: &[Point], stylus_mm: f64) -> Result<Vec<HeightSample>, String> {
         let found = match self {
             Nominal::Side(blade, side) => blade.heights(points, *side, stylus_mm),
-            Nominal::Edge(blade, edge) => blade.edge_heights(points, &edge.1, stylus_mm),
+            Nominal::Edge { blade, surface, .. } => blade.edge_heights(points, surface, stylus_mm),
         };
         found.map_err(|fault| fault.to_string())
     }
@@ -185,8 +185,8 @@ impl<'b, 'f> Nominal<'b, 'f> {
         let (blisk, blade) = (&file.part.blisk, file.blade);
         match self {
             Nominal::Side(_, side) => [standing_blade, left_blade].map(|solid| solid(blisk, blade, *side, plan)),
-            Nominal::Edge(_, edge) => {
-                [standing_edge(blisk, blade, &edge.0, plan), left_edge(blisk, blade, &edge.0, plan)]
+            Nominal::Edge { strip, .. } => {
+                [standing_edge(blisk, blade, strip, plan), left_edge(blisk, blade, strip, plan)]
             }
         }
     }
