@@ -175,17 +175,15 @@ impl PathTrace {
     }
 
     fn add(&mut self, next: TracePoint) {
-        let open = self.open;
-        match open {
-            Some(open) if self.continues(&open, &next) => {
-                self.least_mm_per_min = self.least_mm_per_min.min(next.feed_mm_per_min);
-                self.open = Some(merged(&open, next));
-            }
-            _ => {
-                self.close();
-                self.least_mm_per_min = next.feed_mm_per_min;
-                self.open = Some(next);
-            }
+        if let Some(open) = self.open
+            && self.continues(&open, &next)
+        {
+            self.least_mm_per_min = self.least_mm_per_min.min(next.feed_mm_per_min);
+            self.open = Some(merged(&open, next));
+        } else {
+            self.close();
+            self.least_mm_per_min = next.feed_mm_per_min;
+            self.open = Some(next);
         }
         self.passed.push(next.position_mm);
         if self.passed.len() > COMPARED_MAX {

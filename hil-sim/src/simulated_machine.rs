@@ -47,7 +47,7 @@ pub struct SimulatedMachine {
 }
 
 impl SimulatedMachine {
-    /// Machine with this control, in which the tools of a job are measured.
+    /// Machine with this control, whose moves are measured by the rules and tools of a job.
     pub(crate) fn new(control: Control, job: &Job) -> Self {
         SimulatedMachine {
             now: Micros(0),

@@ -11,7 +11,7 @@ use crate::override_source::OverrideSource;
 use crate::override_source::controller::InProcessController;
 use crate::simulated_machine::{STEP, SimulatedMachine};
 
-/// Deterministic simulation: a machine, and a source that sets its override in each period. It is read as its machine.
+/// Deterministic simulation: a machine, and a source that sets its override in each period. Dereferences to the machine.
 #[derive(Debug)]
 pub struct Simulation<D = InProcessController> {
     machine: SimulatedMachine,

@@ -17,7 +17,7 @@ const FEW_LINES: usize = 1_000;
 const NOISE_KB: u64 = 1_000;
 
 /// Largest memory for a file that is refused: the longest file that is read whole, 80 MiB, and what goes with it.
-const REFUSED_KB: u64 = 90_000;
+const REFUSED_KB: u64 = 85_000;
 
 /// Groups of rows of the traces of two runs, and what their encoders need: 30 MB, and 1.1 MB an hour of each run for the metadata.
 const TRACES_KB: u64 = 40_000;

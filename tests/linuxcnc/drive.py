@@ -74,7 +74,7 @@ def begin(command, stat, line):
 
 
 def arm():
-    """Presses until the component is armed, which it is after the first time if program and machine are ready; returns how often."""
+    """Presses until the component is armed: once, if program and machine are ready. Returns the number of presses."""
     for presses in range(1, PRESSES_MAX + 1):
         press("arcfeed.arm")
         time.sleep(0.3)

@@ -1,7 +1,6 @@
 //! Nearest points of surfaces.
 
 use arcfeed_plan::geometry::surface::Surface;
-use arcfeed_plan::geometry::surface::nearest;
 use arcfeed_plan::vector::Point;
 
 use super::surfaces::{Plain, Sheet};
@@ -39,7 +38,7 @@ fn point_1_feet_are_those_constructed_also_where_gauss_newton_fails() {
             expected[1] = z;
             seed[1] += z - row.number("v");
         }
-        let foot = nearest(&surface, &Point::new(x, y, z), seed);
+        let foot = surface.foot(&Point::new(x, y, z), seed);
         worst.absolute("place, mm", (foot.point - surface.jet(expected).point).norm(), 0.0);
         worst.absolute("distance, mm", foot.distance_mm, row.number("distance_mm"));
         let factor = foot.distance_mm * curvature_per_mm(&surface, foot.at);
@@ -61,12 +60,12 @@ fn point_1_the_sheet_s_nearest_point_is_found_from_any_seed_and_beyond_its_borde
         let height_mm = random.f64() * 4.0 - 2.0;
         let above = point + normal * height_mm;
         for _ in 0..5 {
-            let foot = nearest(&Sheet, &above, [random.f64(), random.f64()]);
+            let foot = Sheet.foot(&above, [random.f64(), random.f64()]);
             off_mm = off_mm.max((foot.point - point).norm());
         }
         // Beyond a border: no sample of the sheet is nearer.
         let beyond = above + (Sheet.jet([at[0], 0.0]).v * -0.3) + Sheet.jet([1.0, 0.5]).u * (random.f64() - 0.5);
-        let foot = nearest(&Sheet, &beyond, at);
+        let foot = Sheet.foot(&beyond, at);
         on_border += usize::from(foot.is_on_border);
         for k in 0..=200 {
             let s = f64::from(k) / 200.0;

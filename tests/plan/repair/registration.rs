@@ -1,7 +1,6 @@
 //! Registration of measured points.
 
 use arcfeed_plan::geometry::surface::Surface;
-use arcfeed_plan::geometry::surface::nearest;
 use arcfeed_plan::repair::registration::{
     NominalFoot, RegistrationError, RegistrationSettings, RigidMotion, fit, register,
 };
@@ -18,7 +17,7 @@ pub fn sheet_foot(point: &Point) -> NominalFoot {
     let seeds = [[0.2, 0.25], [0.2, 0.75], [0.7, 0.25], [0.7, 0.75]];
     let off = |seed: &[f64; 2]| (Sheet.jet(*seed).point - point).norm();
     let seed = seeds.into_iter().min_by(|a, b| off(a).total_cmp(&off(b))).unwrap();
-    let foot = nearest(&Sheet, point, seed);
+    let foot = Sheet.foot(point, seed);
     NominalFoot { point: foot.point, normal: Sheet.point_and_normal(foot.at).1 }
 }
 

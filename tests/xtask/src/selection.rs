@@ -62,7 +62,7 @@ const SLOW: [&str; 49] = [
     "pyserial::",
     "report_page::",
     "rewrite_only::",
-    "screen::",
+    "screen::a_",
     "serving::",
     "serving_clients::",
     "slurm::",

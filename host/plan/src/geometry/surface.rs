@@ -82,9 +82,26 @@ pub trait Surface: Sync {
         (jet.point, jet.u.cross(&jet.v).normalize() * self.outward())
     }
 
-    /// Nearest point to a point in space, found from the parameters `seed`.
+    /// Nearest point to a point in space, found by iteration from the parameters `seed`.
     fn foot(&self, point: &Point, seed: [f64; 2]) -> Foot {
-        nearest(self, point, seed)
+        let ranges = self.ranges();
+        let inside = |at: [f64; 2]| [0, 1].map(|k: usize| at[k].clamp(ranges[k][0], ranges[k][1]));
+        let mut at = inside(seed);
+        let mut jet = self.jet(at);
+        for _ in 0..STEPS_MAX {
+            let Some(step) = step(&jet, point, at, ranges) else { break };
+            let square = (point - jet.point).norm_squared();
+            let shorter = (0..HALVINGS_MAX).find_map(|halvings| {
+                let share = libm::ldexp(1.0, -(halvings as i32));
+                let next = inside([at[0] + step[0] * share, at[1] + step[1] * share]);
+                let there = self.jet(next);
+                ((point - there.point).norm_squared() < square).then_some((next, there))
+            });
+            let Some((next, there)) = shorter else { break };
+            (at, jet) = (next, there);
+        }
+        let is_on_border = [0, 1].iter().any(|k: &usize| at[*k] <= ranges[*k][0] || at[*k] >= ranges[*k][1]);
+        Foot { at, point: jet.point, distance_mm: (point - jet.point).norm(), is_on_border }
     }
 
     /// Height above the surface at which distances along the second parameter are measured, mm; above 0 on a surface over an edge, on which
@@ -127,28 +144,6 @@ impl Surface for SpanwiseFace<'_> {
     fn outward(&self) -> f64 {
         -self.0.outward()
     }
-}
-
-/// Point of a surface that is nearest to `point`, found by iteration from the parameters `seed`.
-pub fn nearest<S: Surface + ?Sized>(surface: &S, point: &Point, seed: [f64; 2]) -> Foot {
-    let ranges = surface.ranges();
-    let inside = |at: [f64; 2]| [0, 1].map(|k: usize| at[k].clamp(ranges[k][0], ranges[k][1]));
-    let mut at = inside(seed);
-    let mut jet = surface.jet(at);
-    for _ in 0..STEPS_MAX {
-        let Some(step) = step(&jet, point, at, ranges) else { break };
-        let square = (point - jet.point).norm_squared();
-        let shorter = (0..HALVINGS_MAX).find_map(|halvings| {
-            let share = libm::ldexp(1.0, -(halvings as i32));
-            let next = inside([at[0] + step[0] * share, at[1] + step[1] * share]);
-            let there = surface.jet(next);
-            ((point - there.point).norm_squared() < square).then_some((next, there))
-        });
-        let Some((next, there)) = shorter else { break };
-        (at, jet) = (next, there);
-    }
-    let is_on_border = [0, 1].iter().any(|k: &usize| at[*k] <= ranges[*k][0] || at[*k] >= ranges[*k][1]);
-    Foot { at, point: jet.point, distance_mm: (point - jet.point).norm(), is_on_border }
 }
 
 /// Step (1) or (2); `None` at the nearest point (3).
