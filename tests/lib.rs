@@ -165,6 +165,30 @@ pub struct Running {
     err: PathBuf,
 }
 
+/// Runs a command for at most a time, and writes the most memory it had in use to a file. The kernel counts with a process the memory of the
+/// one that started it; this one is small.
+const MEASURED: &str = "
+import resource, subprocess, sys
+file, seconds, *command = sys.argv[1:]
+code = subprocess.run(command, timeout=float(seconds)).returncode
+with open(file, 'w') as file:
+    file.write(str(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss))
+sys.exit(code)
+";
+
+/// Runs `arcfeed` to its end; answers also the most memory it had in use, in kB (of 1024 bytes; Linux).
+///
+/// # Panics
+/// It takes longer than `longest`.
+pub fn run_with_memory(scratch: &Scratch, name: &str, arguments: &[&str], longest: Duration) -> (Ended, u64) {
+    let file = scratch.path(&format!("{name}.memory"));
+    let mut python = Command::new("python3");
+    python.args(["-c", MEASURED, &file, &longest.as_secs().to_string()]).arg(arcfeed()).args(arguments);
+    let ended = Running::start_command(scratch, name, &mut python).end_however_late();
+    let most = fs::read_to_string(&file).unwrap_or_else(|_| panic!("not measured: {}", ended.err));
+    (ended, most.parse().expect("a number"))
+}
+
 /// End of a process.
 #[derive(Debug)]
 pub struct Ended {
@@ -179,17 +203,20 @@ pub struct Ended {
 impl Running {
     /// Starts `arcfeed`; what it writes goes to files named after `name`, so that no pipe can fill up.
     pub fn start(scratch: &Scratch, name: &str, arguments: &[&str]) -> Self {
+        Running::start_command(scratch, name, Command::new(arcfeed()).args(arguments))
+    }
+
+    fn start_command(scratch: &Scratch, name: &str, command: &mut Command) -> Self {
         let file = |ending: &str| PathBuf::from(scratch.path(&format!("{name}.{ending}")));
         let (out, err) = (file("out"), file("err"));
         let create = |path: &Path| File::create(path).expect("a scratch file can be made");
-        let child = Command::new(arcfeed())
-            .args(arguments)
+        let child = command
             .current_dir(root())
             .stdin(Stdio::null())
             .stdout(create(&out))
             .stderr(create(&err))
             .spawn()
-            .expect("arcfeed starts");
+            .expect("it starts");
         Running { child, out, err }
     }
 
@@ -216,20 +243,6 @@ impl Running {
         number.unwrap_or_else(|| panic!("no {field}: {status}"))
     }
 
-    /// Waits for its end; answers also the most memory it had in use, in kB, as seen every other millisecond (Linux).
-    pub fn end_with_memory(mut self, longest: Duration) -> (Ended, u64) {
-        let path = format!("/proc/{}/status", self.child.id());
-        let (mut most, started) = (0, Instant::now());
-        while self.child.try_wait().expect("a child can be waited for").is_none() {
-            let status = fs::read_to_string(&path).unwrap_or_default();
-            let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"));
-            most = line.and_then(|rest| rest.split_whitespace().next()?.parse().ok()).unwrap_or(most);
-            assert!(started.elapsed() < longest, "waited in vain for the end of arcfeed");
-            std::thread::sleep(Duration::from_millis(2));
-        }
-        (self.end(), most)
-    }
-
     /// Output on stderr so far.
     pub fn said(&self) -> String {
         fs::read_to_string(&self.err).unwrap_or_default()
@@ -248,7 +261,13 @@ impl Running {
 
     /// Waits for its end.
     pub fn end(mut self) -> Ended {
-        let status = wait_for("the end of arcfeed", || self.child.try_wait().expect("a child can be waited for"));
+        wait_for("the end of arcfeed", || self.child.try_wait().expect("a child can be waited for"));
+        self.end_however_late()
+    }
+
+    /// As [`Running::end`], for what may take longer than a minute.
+    fn end_however_late(mut self) -> Ended {
+        let status = self.child.wait().expect("a child can be waited for");
         let read = |path: &Path| fs::read_to_string(path).expect("its output is text");
         Ended { code: status.code(), out: read(&self.out), err: read(&self.err) }
     }

@@ -5,7 +5,7 @@ use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use arcfeed_tests::{Running, Scratch, arcfeed, of_full_set, root, run};
+use arcfeed_tests::{Scratch, arcfeed, of_full_set, root, run, run_with_memory};
 use serde_json::Value;
 
 const POCKET: &str = "examples/pocket/job-contour.toml";
@@ -119,8 +119,8 @@ fn a_campaign_that_is_killed_goes_on_and_makes_no_run_twice() {
     }
     let finish = |folder: &str| {
         let started = Instant::now();
-        let process = Running::start(&scratch, folder, &["sweep", &sweep, "-o", &scratch.path(folder), "--csv"]);
-        let (ended, kb) = process.end_with_memory(WHOLE_MAX);
+        let arguments = ["sweep", &sweep, "-o", &scratch.path(folder), "--csv"];
+        let (ended, kb) = run_with_memory(&scratch, folder, &arguments, WHOLE_MAX);
         assert_eq!((ended.code, ended.err.as_str()), (Some(0), ""));
         println!("{folder}: ended in {:.1} s with {kb} kB of memory", started.elapsed().as_secs_f64());
         assert!(kb < MEMORY_KB, "{kb} kB");

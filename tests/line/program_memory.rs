@@ -6,7 +6,7 @@ use std::fmt::Write;
 use std::fs::File;
 use std::time::Duration;
 
-use arcfeed_tests::{Ended, Running, Scratch, of_full_set, root};
+use arcfeed_tests::{Ended, Scratch, of_full_set, root, run_with_memory};
 
 use crate::report_page::scale::{JOB as ROWS_JOB, rows};
 
@@ -50,7 +50,7 @@ fn job(scratch: &Scratch, program: &str) -> String {
 }
 
 fn measure(scratch: &Scratch, arguments: &[&str]) -> (Ended, u64) {
-    let (ended, kb) = Running::start(scratch, "run", arguments).end_with_memory(Duration::from_secs(1_200));
+    let (ended, kb) = run_with_memory(scratch, "run", arguments, Duration::from_secs(1_200));
     println!("{}: {kb} kB", arguments[0]);
     (ended, kb)
 }
