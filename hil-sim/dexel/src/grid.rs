@@ -20,6 +20,8 @@ pub struct Grid {
     axis: usize,
     lattice: Lattice,
     dexels: Vec<Dexel>,
+    /// Tiles of each row, row by row.
+    tiles: Vec<Tile>,
     /// Heap memory of the dexels.
     heap_bytes: usize,
 }
@@ -30,14 +32,19 @@ const EVERYWHERE: Interval = Interval { from_mm: f64::NEG_INFINITY, to_mm: f64::
 /// Rays of a row that are left out together where none of them has material for a pass.
 const TILE: usize = 16;
 
+/// Rays times passes of an upright tool that are worth a task of their own: some 0.1 ms.
+const TASK: usize = 16_384;
+
+/// Work of a pass of a tilted tool, in that of an upright one.
+const TILTED: usize = 16;
+
 /// Whether the rays of some columns may lose material, all of which lies in an interval.
 type MayCut<'m> = dyn Fn(Range<usize>, &Interval) -> bool + 'm;
 
-/// The rays of one row while passes cut it, some columns of it in tiles.
+/// The rays of one row while passes cut it.
 struct RowRays<'a> {
     dexels: &'a mut [Dexel],
-    first_tile: usize,
-    tiles: Vec<Tile>,
+    tiles: &'a mut [Tile],
     /// Columns whose rays have all lost an interval, and that interval.
     alike: (Range<usize>, Interval),
     taken: Taken,
@@ -53,6 +60,9 @@ struct Tile {
 }
 
 impl Tile {
+    /// Tile whose rays have not been looked at.
+    const UNKNOWN: Tile = Tile { extent: EVERYWHERE, is_stale: true };
+
     /// Finds the extent of its rays again, if they have been cut.
     fn refresh(&mut self, dexels: &[Dexel]) {
         if self.is_stale {
@@ -72,9 +82,11 @@ impl Grid {
 
     /// Builds the grid from the material of existing rays, row by row; rays missing at the end of the list are empty.
     pub fn of(lattice: &Lattice, axis: usize, mut dexels: Vec<Dexel>) -> Self {
-        dexels.resize(lattice.size(axis).iter().product(), Dexel::Empty);
+        let [width, height] = lattice.size(axis);
+        dexels.resize(width * height, Dexel::Empty);
+        let tiles = vec![Tile::UNKNOWN; width.div_ceil(TILE) * height];
         let heap_bytes = dexels.iter().map(Dexel::heap_bytes).sum();
-        Grid { axis, lattice: *lattice, dexels, heap_bytes }
+        Grid { axis, lattice: *lattice, dexels, tiles, heap_bytes }
     }
 
     /// Direction of the rays: 0, 1, 2 for x, y, z.
@@ -100,9 +112,16 @@ impl Grid {
         rows.sum::<f64>() * self.lattice.area_mm2()
     }
 
+    /// Memory of the rays along an axis of a lattice, bytes, each with at most one interval.
+    pub fn bytes_uncut(lattice: &Lattice, axis: usize) -> usize {
+        let [width, height] = lattice.size(axis);
+        let row = width * size_of::<Dexel>() + width.div_ceil(TILE) * size_of::<Tile>();
+        row.saturating_mul(height)
+    }
+
     /// Memory of all rays, bytes, including their heap memory.
     pub fn memory_bytes(&self) -> usize {
-        self.dexels.capacity() * size_of::<Dexel>() + self.heap_bytes
+        Grid::bytes_uncut(&self.lattice, self.axis) + self.heap_bytes
     }
 
     /// Removes the material that the passes (parts of a tool on straight sweeps) sweep; returns its volume, mm3.
@@ -115,10 +134,10 @@ impl Grid {
         let column_mm = lattice.centers_mm(column_axis);
         let (layers, passes) = layers_and_others(passes, &lattice);
         let rows: Vec<Range<usize>> = passes.iter().map(|pass| pass.cells(&lattice, row_axis)).collect();
-        let cut_row = |(index, dexels): (usize, &mut [Dexel])| {
+        let cut_row = |(index, (dexels, tiles)): (usize, (&mut [Dexel], &mut [Tile]))| {
             let row = touched.start + index;
             let row_mm = lattice.center_mm(row_axis, row);
-            let mut rays = RowRays::new(dexels, &columns, passes.len() > 1);
+            let mut rays = RowRays { dexels, tiles, alike: (0..0, NOWHERE), taken: Taken::default() };
             for layers in layers.iter().filter(|layers| layers.rows.contains(&row)) {
                 rays.lose_each(layers.first, &layers.losses);
             }
@@ -152,18 +171,33 @@ impl Grid {
                         let may_cut: &MayCut<'_> = &|columns, extent| {
                             pass.may_cut_between([point_mm(columns.start), point_mm(columns.end - 1)], extent)
                         };
-                        rays.cut_tiles(&reach, pass.is_tilted().then_some(may_cut), cut);
+                        let may_cut = pass.is_tilted().then_some(may_cut);
+                        reach.parts().into_iter().for_each(|part| rays.cut_tiles(part, &reach.along, may_cut, cut));
                     }
                 }
             }
             rays.taken
         };
-        let touched = &mut self.dexels[touched.start * width..touched.end * width];
-        let taken: Vec<Taken> = touched.par_chunks_mut(width).enumerate().map(cut_row).collect();
+        let tile_count = width.div_ceil(TILE);
+        let dexels = &mut self.dexels[touched.start * width..touched.end * width];
+        let tiles = &mut self.tiles[touched.start * tile_count..touched.end * tile_count];
+        let work_of_row = columns.len() * work(&layers, &passes);
+        let taken: Vec<Taken> = if work_of_row * touched.len() > TASK {
+            let rows = dexels.par_chunks_mut(width).zip(tiles.par_chunks_mut(tile_count)).enumerate();
+            rows.with_min_len((TASK / work_of_row).max(1)).map(cut_row).collect()
+        } else {
+            // Here: a thread that is none of rayon's waits until one of them wakes.
+            dexels.chunks_mut(width).zip(tiles.chunks_mut(tile_count)).enumerate().map(cut_row).collect()
+        };
         let heap_bytes: isize = taken.iter().map(|row| row.heap_bytes).sum();
         self.heap_bytes = self.heap_bytes.saturating_add_signed(heap_bytes);
         taken.iter().map(|row| row.length_mm).sum::<f64>() * lattice.area_mm2()
     }
+}
+
+/// Work on a ray, in passes of an upright tool.
+fn work(layers: &[LayersCut], passes: &[&Pass<'_>]) -> usize {
+    layers.len() + passes.iter().map(|pass| if pass.is_tilted() { TILTED } else { 1 }).sum::<usize>()
 }
 
 /// Cuts that are the same in many rows, as few as they can be put into, and the passes that make no such cut.
@@ -186,14 +220,6 @@ fn united(ranges: impl Iterator<Item = Range<usize>>) -> Range<usize> {
 }
 
 impl<'a> RowRays<'a> {
-    /// A row that is cut in some columns. Only where several passes come is it worth knowing where there is no material.
-    fn new(dexels: &'a mut [Dexel], columns: &Range<usize>, is_tiled: bool) -> Self {
-        let first_tile = columns.start / TILE;
-        let tiles = if is_tiled { columns.end.div_ceil(TILE) - first_tile } else { 0 };
-        let tile = Tile { extent: EVERYWHERE, is_stale: true };
-        RowRays { dexels, first_tile, tiles: vec![tile; tiles], alike: (0..0, NOWHERE), taken: Taken::default() }
-    }
-
     /// Takes one interval from each ray, from a column on.
     fn lose_each(&mut self, first: usize, losses: &[Interval]) {
         for (dexel, loss) in self.dexels[first..].iter_mut().zip(losses) {
@@ -201,6 +227,8 @@ impl<'a> RowRays<'a> {
                 self.taken.add(&dexel.take(*loss));
             }
         }
+        let end = self.dexels.len().min(first + losses.len());
+        self.tiles[first / TILE..end.div_ceil(TILE)].iter_mut().for_each(|tile| tile.is_stale = true);
     }
 
     /// Takes the same interval from the rays of some columns in reach, as far as they may still have it; returns the reach
@@ -215,11 +243,7 @@ impl<'a> RowRays<'a> {
             let goes_on = lost == loss && known.start <= columns.end && columns.start <= known.end;
             let known = if goes_on { known } else { columns.start..columns.start };
             for part in [columns.start..known.start.max(columns.start), known.end.min(columns.end)..columns.end] {
-                for dexel in &mut self.dexels[part] {
-                    if dexel.meets(&loss) {
-                        self.taken.add(&dexel.take(loss));
-                    }
-                }
+                self.cut_tiles(part, &loss, None, |_, dexel| dexel.take(loss));
             }
             self.alike = (known.start.min(columns.start)..known.end.max(columns.end), loss);
         }
@@ -241,41 +265,40 @@ impl<'a> RowRays<'a> {
 
     /// Cuts the rays that have material in reach; `cut` returns what it takes from a ray.
     #[inline]
-    fn cut(&mut self, reach: &Reach, cut: impl FnMut(usize, &mut Dexel) -> Taken) {
-        self.cut_tiles(reach, None, cut);
+    fn cut(&mut self, reach: &Reach, mut cut: impl FnMut(usize, &mut Dexel) -> Taken) {
+        for columns in reach.parts() {
+            self.cut_tiles(columns, &reach.along, None, &mut cut);
+        }
     }
 
-    /// The same. Where `cut` takes long, `may_cut` is asked first, for each tile.
+    /// Cuts the rays of some columns that have material in a stretch. Where `cut` takes long, `may_cut` is asked first, for each tile.
     #[inline]
     fn cut_tiles(
         &mut self,
-        reach: &Reach,
+        columns: Range<usize>,
+        along: &Interval,
         may_cut: Option<&MayCut<'_>>,
         mut cut: impl FnMut(usize, &mut Dexel) -> Taken,
     ) {
-        for columns in reach.parts() {
-            let mut start = columns.start;
-            while start < columns.end {
-                let tile = start / TILE;
-                let end = columns.end.min((tile + 1) * TILE);
-                let all = tile * TILE..self.dexels.len().min((tile + 1) * TILE);
-                let known = tile.checked_sub(self.first_tile).and_then(|tile| self.tiles.get_mut(tile));
-                let mut unknown = Tile { extent: EVERYWHERE, is_stale: may_cut.is_some() };
-                let tile = known.unwrap_or(&mut unknown);
-                if may_cut.is_some() {
-                    tile.refresh(&self.dexels[all.clone()]);
-                }
-                let extent = tile.extent.common(&reach.along);
-                if extent.from_mm < extent.to_mm && may_cut.is_none_or(|may_cut| may_cut(start..end, &extent)) {
-                    let has_cut = cut_all(start, &mut self.dexels[start..end], &reach.along, &mut self.taken, &mut cut);
-                    // Looked at again where that was in vain.
-                    if !has_cut {
-                        tile.refresh(&self.dexels[all]);
-                    }
-                    tile.is_stale = has_cut;
-                }
-                start = end;
+        let mut start = columns.start;
+        while start < columns.end {
+            let number = start / TILE;
+            let end = columns.end.min((number + 1) * TILE);
+            let all = number * TILE..self.dexels.len().min((number + 1) * TILE);
+            let tile = &mut self.tiles[number];
+            if may_cut.is_some() {
+                tile.refresh(&self.dexels[all.clone()]);
             }
+            let extent = tile.extent.common(along);
+            if extent.from_mm < extent.to_mm && may_cut.is_none_or(|may_cut| may_cut(start..end, &extent)) {
+                let has_cut = cut_all(start, &mut self.dexels[start..end], along, &mut self.taken, &mut cut);
+                // Looked at again where that was in vain.
+                if !has_cut {
+                    tile.refresh(&self.dexels[all]);
+                }
+                tile.is_stale = has_cut;
+            }
+            start = end;
         }
     }
 }

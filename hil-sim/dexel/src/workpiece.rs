@@ -2,7 +2,6 @@
 
 use std::fmt;
 
-use super::dexel::Dexel;
 use super::grid::Grid;
 use super::lattice::{Lattice, LatticeError};
 use super::section::Sweep;
@@ -91,8 +90,8 @@ impl Stock {
     /// # Errors
     /// The rays take more than the memory allowed.
     pub fn on(lattice: &Lattice, solid: &dyn Solid, memory_max_bytes: usize) -> Result<Self, StockError> {
-        let rays: usize = [0, 1, 2].map(|axis| lattice.size(axis).iter().product::<usize>()).iter().sum();
-        within(rays.saturating_mul(size_of::<Dexel>()), memory_max_bytes)?;
+        let uncut = [0, 1, 2].map(|axis| Grid::bytes_uncut(lattice, axis));
+        within(uncut.into_iter().fold(0, usize::saturating_add), memory_max_bytes)?;
         let stock =
             Stock { lattice: *lattice, grids: [0, 1, 2].map(|axis| solid.grid(lattice, axis)), memory_max_bytes };
         within(stock.memory_bytes(), memory_max_bytes)?;
