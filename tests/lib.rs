@@ -165,30 +165,6 @@ pub struct Running {
     err: PathBuf,
 }
 
-/// Runs a command for at most a time, and writes the most memory it had in use to a file. The kernel counts with a process the memory of the
-/// one that started it; this one is small.
-const MEASURED: &str = "
-import resource, subprocess, sys
-file, seconds, *command = sys.argv[1:]
-code = subprocess.run(command, timeout=float(seconds)).returncode
-with open(file, 'w') as file:
-    file.write(str(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss))
-sys.exit(code)
-";
-
-/// Runs `arcfeed` to its end; answers also the most memory it had in use, in kB (of 1024 bytes; Linux).
-///
-/// # Panics
-/// It takes longer than `longest`.
-pub fn run_with_memory(scratch: &Scratch, name: &str, arguments: &[&str], longest: Duration) -> (Ended, u64) {
-    let file = scratch.path(&format!("{name}.memory"));
-    let mut python = Command::new("python3");
-    python.args(["-c", MEASURED, &file, &longest.as_secs().to_string()]).arg(arcfeed()).args(arguments);
-    let ended = Running::start_command(scratch, name, &mut python).end_however_late();
-    let most = fs::read_to_string(&file).unwrap_or_else(|_| panic!("not measured: {}", ended.err));
-    (ended, most.parse().expect("a number"))
-}
-
 /// End of a process.
 #[derive(Debug)]
 pub struct Ended {
@@ -278,6 +254,30 @@ impl Drop for Running {
         let _already_over = self.child.kill();
         let _reaped = self.child.wait();
     }
+}
+
+/// Runs a command for at most a time, and writes the most memory that it had in use to a file. To a process the kernel adds the memory of the one
+/// that started it, so that one is small.
+const MEASURED: &str = "
+import resource, subprocess, sys
+file, seconds, *command = sys.argv[1:]
+code = subprocess.run(command, timeout=float(seconds)).returncode
+with open(file, 'w') as file:
+    file.write(str(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss))
+sys.exit(code)
+";
+
+/// Runs `arcfeed` to its end; answers also the most memory it had in use, in kB (of 1024 bytes; Linux).
+///
+/// # Panics
+/// It takes longer than `longest`.
+pub fn run_with_memory(scratch: &Scratch, name: &str, arguments: &[&str], longest: Duration) -> (Ended, u64) {
+    let file = scratch.path(&format!("{name}.memory"));
+    let mut python = Command::new("python3");
+    python.args(["-c", MEASURED, &file, &longest.as_secs().to_string()]).arg(arcfeed()).args(arguments);
+    let ended = Running::start_command(scratch, name, &mut python).end_however_late();
+    let most = fs::read_to_string(&file).unwrap_or_else(|_| panic!("not measured: {}", ended.err));
+    (ended, most.parse().expect("a number"))
 }
 
 /// Asks again and again until there is an answer, for a minute.

@@ -1,11 +1,13 @@
 //! arcfeed: constant chip load on circular moves, from the NC program to the override of the control.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
+use std::panic::resume_unwind;
 use std::process::ExitCode;
+use std::thread::Builder;
 
 use arcfeed::commands::{
-    adapt::Adapt, board::BoardCommand, call, check::Check, engage::Engage, init::Init, law::Law, lobes::Lobes,
-    measure::Measure, parameters::Parameters, plan::PlanCommand, ports::Ports, post::Post, serve::Serve,
+    STACK_BYTES, adapt::Adapt, board::BoardCommand, call, check::Check, engage::Engage, init::Init, law::Law,
+    lobes::Lobes, measure::Measure, parameters::Parameters, plan::PlanCommand, ports::Ports, post::Post, serve::Serve,
     simulate::Simulate, stream::Stream, sweep::Sweep, verify::Verify, view::ViewCommand,
 };
 use clap::{Parser, Subcommand};
@@ -44,6 +46,13 @@ enum Command {
 }
 
 fn main() -> ExitCode {
+    match Builder::new().name("main".to_owned()).stack_size(STACK_BYTES).spawn(run) {
+        Ok(thread) => thread.join().unwrap_or_else(|panic| resume_unwind(panic)),
+        Err(_no_thread) => run(),
+    }
+}
+
+fn run() -> ExitCode {
     let ended = match Arguments::parse().command {
         Command::Check(command) => command.run(),
         Command::Init(command) => command.run(),

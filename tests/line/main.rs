@@ -12,6 +12,8 @@ mod dnc;
 
 mod example_campaigns;
 
+mod first_thread;
+
 mod json_docs;
 
 mod live_page;

@@ -1,5 +1,9 @@
 //! Commands of the program. Each reads its arguments, does its work and reports its result.
 
+/// Stack of a thread that executes commands or runs: a run without optimisation needs more than 2 MiB. The first thread of a program has
+/// 8 MiB on Linux and macOS, and 1 MiB on Windows.
+pub const STACK_BYTES: usize = 8 << 20;
+
 pub mod outcome;
 
 mod executed_blocks;

@@ -26,6 +26,7 @@ use std::thread::{Builder, available_parallelism, scope};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::STACK_BYTES;
 use super::outcome::{Failure, file_failure, json_text, on_interrupt, refuse_inputs, say};
 use crate::console::{self, Progress, note};
 use crate::plural::counted;
@@ -36,8 +37,6 @@ use sweep_file::Campaign;
 
 /// Suffix of journals.
 const JOURNAL_SUFFIX: &str = "journal";
-/// Stack of a thread that executes runs: as that of the program itself. A run without optimisation needs more than two MiB.
-const STACK_BYTES: usize = 8 << 20;
 
 /// Run a campaign: one simulated run for each combination of values, with its results as a row of a table
 ///
