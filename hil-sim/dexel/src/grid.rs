@@ -134,10 +134,9 @@ impl Grid {
         let column_mm = lattice.centers_mm(column_axis);
         let (layers, passes) = layers_and_others(passes, &lattice);
         let rows: Vec<Range<usize>> = passes.iter().map(|pass| pass.cells(&lattice, row_axis)).collect();
-        let cut_row = |(index, (dexels, tiles)): (usize, (&mut [Dexel], &mut [Tile]))| {
+        let cut_row = |index: usize, mut rays: RowRays<'_>| {
             let row = touched.start + index;
             let row_mm = lattice.center_mm(row_axis, row);
-            let mut rays = RowRays { dexels, tiles, alike: (0..0, NOWHERE), taken: Taken::default() };
             for layers in layers.iter().filter(|layers| layers.rows.contains(&row)) {
                 rays.lose_each(layers.first, &layers.losses);
             }
@@ -181,17 +180,31 @@ impl Grid {
         let tile_count = width.div_ceil(TILE);
         let dexels = &mut self.dexels[touched.start * width..touched.end * width];
         let tiles = &mut self.tiles[touched.start * tile_count..touched.end * tile_count];
-        let work_of_row = columns.len() * work(&layers, &passes);
-        let taken: Vec<Taken> = if work_of_row * touched.len() > TASK {
-            let rows = dexels.par_chunks_mut(width).zip(tiles.par_chunks_mut(tile_count)).enumerate();
-            rows.with_min_len((TASK / work_of_row).max(1)).map(cut_row).collect()
-        } else {
-            // Here: a thread that is none of rayon's waits until one of them wakes.
-            dexels.chunks_mut(width).zip(tiles.chunks_mut(tile_count)).enumerate().map(cut_row).collect()
-        };
+        let taken = cut_rows([width, columns.len() * work(&layers, &passes)], dexels, tiles, cut_row);
         let heap_bytes: isize = taken.iter().map(|row| row.heap_bytes).sum();
         self.heap_bytes = self.heap_bytes.saturating_add_signed(heap_bytes);
         taken.iter().map(|row| row.length_mm).sum::<f64>() * lattice.area_mm2()
+    }
+}
+
+/// Cuts rows of `width` rays with their tiles, of which each takes `work`; `cut_row` gets the index and the rays of a row. Returns what it takes
+/// from each row.
+fn cut_rows(
+    [width, work]: [usize; 2],
+    dexels: &mut [Dexel],
+    tiles: &mut [Tile],
+    cut_row: impl Fn(usize, RowRays<'_>) -> Taken + Sync,
+) -> Vec<Taken> {
+    let (count, tile_count) = (dexels.len() / width, width.div_ceil(TILE));
+    let cut = |(index, (dexels, tiles)): (usize, (&mut [Dexel], &mut [Tile]))| {
+        cut_row(index, RowRays { dexels, tiles, alike: (0..0, NOWHERE), taken: Taken::default() })
+    };
+    if work * count > TASK {
+        let rows = dexels.par_chunks_mut(width).zip(tiles.par_chunks_mut(tile_count)).enumerate();
+        rows.with_min_len((TASK / work).max(1)).map(cut).collect()
+    } else {
+        // Here: a thread that is none of rayon's waits until one of them wakes.
+        dexels.chunks_mut(width).zip(tiles.chunks_mut(tile_count)).enumerate().map(cut).collect()
     }
 }
 
