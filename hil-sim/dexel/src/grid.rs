@@ -1,6 +1,6 @@
 //! All parallel rays of one direction, with their material, and how passes of a tool cut them.
 //!
-//! Rows of rays are cut in parallel on all cores. Each ray belongs to one row, and volumes are summed row by row and then in the
+//! Rows of rays are cut in parallel on all cores where that takes less time. Each ray belongs to one row, and volumes are summed row by row and then in the
 //! order of the rows, so no result depends on the number of threads.
 
 use std::ops::Range;
@@ -32,7 +32,7 @@ const EVERYWHERE: Interval = Interval { from_mm: f64::NEG_INFINITY, to_mm: f64::
 /// Rays of a row that are left out together where none of them has material for a pass.
 const TILE: usize = 16;
 
-/// Rays times passes of an upright tool that are worth a task of their own: some 0.1 ms.
+/// Work that is worth a task of its own, in rays times passes of an upright tool: some 0.1 ms.
 const TASK: usize = 16_384;
 
 /// Work of a pass of a tilted tool, in that of an upright one.
@@ -84,7 +84,7 @@ impl Grid {
     pub fn of(lattice: &Lattice, axis: usize, mut dexels: Vec<Dexel>) -> Self {
         let [width, height] = lattice.size(axis);
         dexels.resize(width * height, Dexel::Empty);
-        let tiles = vec![Tile::UNKNOWN; width.div_ceil(TILE) * height];
+        let tiles = vec![Tile::UNKNOWN; tile_count(width) * height];
         let heap_bytes = dexels.iter().map(Dexel::heap_bytes).sum();
         Grid { axis, lattice: *lattice, dexels, tiles, heap_bytes }
     }
@@ -115,7 +115,7 @@ impl Grid {
     /// Memory of the rays along an axis of a lattice, bytes, each with at most one interval.
     pub fn bytes_uncut(lattice: &Lattice, axis: usize) -> usize {
         let [width, height] = lattice.size(axis);
-        let row = width * size_of::<Dexel>() + width.div_ceil(TILE) * size_of::<Tile>();
+        let row = width * size_of::<Dexel>() + tile_count(width) * size_of::<Tile>();
         row.saturating_mul(height)
     }
 
@@ -177,25 +177,29 @@ impl Grid {
             }
             rays.taken
         };
-        let tile_count = width.div_ceil(TILE);
-        let dexels = &mut self.dexels[touched.start * width..touched.end * width];
-        let tiles = &mut self.tiles[touched.start * tile_count..touched.end * tile_count];
-        let taken = cut_rows([width, columns.len() * work(&layers, &passes)], dexels, tiles, cut_row);
+        let of_rows = |per_row: usize| touched.start * per_row..touched.end * per_row;
+        let (dexels, tiles) = (&mut self.dexels[of_rows(width)], &mut self.tiles[of_rows(tile_count(width))]);
+        let taken = cut_rows(width, columns.len() * work(&layers, &passes), dexels, tiles, cut_row);
         let heap_bytes: isize = taken.iter().map(|row| row.heap_bytes).sum();
         self.heap_bytes = self.heap_bytes.saturating_add_signed(heap_bytes);
         taken.iter().map(|row| row.length_mm).sum::<f64>() * lattice.area_mm2()
     }
 }
 
-/// Cuts rows of `width` rays with their tiles, of which each takes `work`; `cut_row` gets the index and the rays of a row. Returns what it takes
-/// from each row.
+/// Number of tiles in a row.
+fn tile_count(width: usize) -> usize {
+    width.div_ceil(TILE)
+}
+
+/// Cuts rows of `width` rays, which are `work` each, by `cut_row`, which gets a row's index and rays; returns what it takes from each.
 fn cut_rows(
-    [width, work]: [usize; 2],
+    width: usize,
+    work: usize,
     dexels: &mut [Dexel],
     tiles: &mut [Tile],
     cut_row: impl Fn(usize, RowRays<'_>) -> Taken + Sync,
 ) -> Vec<Taken> {
-    let (count, tile_count) = (dexels.len() / width, width.div_ceil(TILE));
+    let (count, tile_count) = (dexels.len() / width, tile_count(width));
     let cut = |(index, (dexels, tiles)): (usize, (&mut [Dexel], &mut [Tile]))| {
         cut_row(index, RowRays { dexels, tiles, alike: (0..0, NOWHERE), taken: Taken::default() })
     };
@@ -203,7 +207,7 @@ fn cut_rows(
         let rows = dexels.par_chunks_mut(width).zip(tiles.par_chunks_mut(tile_count)).enumerate();
         rows.with_min_len((TASK / work).max(1)).map(cut).collect()
     } else {
-        // Here: a thread that is none of rayon's waits until one of them wakes.
+        // Rayon would let a thread that is not its own wait until one of its threads wakes.
         dexels.chunks_mut(width).zip(tiles.chunks_mut(tile_count)).enumerate().map(cut).collect()
     }
 }
@@ -235,13 +239,8 @@ fn united(ranges: impl Iterator<Item = Range<usize>>) -> Range<usize> {
 impl<'a> RowRays<'a> {
     /// Takes one interval from each ray, from a column on.
     fn lose_each(&mut self, first: usize, losses: &[Interval]) {
-        for (dexel, loss) in self.dexels[first..].iter_mut().zip(losses) {
-            if dexel.meets(loss) {
-                self.taken.add(&dexel.take(*loss));
-            }
-        }
-        let end = self.dexels.len().min(first + losses.len());
-        self.tiles[first / TILE..end.div_ceil(TILE)].iter_mut().for_each(|tile| tile.is_stale = true);
+        let columns = first..first + losses.len();
+        self.cut_tiles(columns, &EVERYWHERE, None, |column, dexel| dexel.take(losses[column - first]));
     }
 
     /// Takes the same interval from the rays of some columns in reach, as far as they may still have it; returns the reach

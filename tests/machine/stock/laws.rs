@@ -52,7 +52,7 @@ fn bits(stock: &Stock) -> Vec<Vec<[u64; 2]>> {
     rays.map(ends).collect()
 }
 
-/// Bytes of a stock, counted ray by ray.
+/// Bytes of a stock, counted ray by ray, and 24 for sixteen neighbouring ones.
 fn counted_bytes(stock: &Stock) -> usize {
     let rays = stock.grids().iter().flat_map(|grid| grid.dexels());
     let rays: usize = rays.map(|ray| size_of_val(ray) + ray.heap_bytes()).sum();
@@ -141,7 +141,7 @@ fn the_three_families_of_rays_agree_on_what_is_there() {
 #[test]
 fn a_stock_never_takes_more_memory_than_it_may() {
     let cube = Block { lowest_mm: [0.0; 3], highest_mm: [20.0; 3] };
-    // Three families of 80 rows, each with 80 rays and 5 groups of rays.
+    // Three families of 80 rows, each with 80 rays in 5 groups of sixteen.
     let needed_bytes = 3 * 80 * (80 + 5) * 24;
     let refused = Stock::new(&cube, 0.25, 400_000).unwrap_err();
     assert_eq!(refused, StockError::Memory { needed_bytes, allowed_bytes: 400_000 });
