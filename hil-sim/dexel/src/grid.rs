@@ -432,6 +432,19 @@ mod tests {
     }
 
     #[test]
+    fn rays_without_material_are_known_after_one_cut_in_vain() {
+        let block = Block { lowest_mm: [0.0; 3], highest_mm: [10.0, 9.0, 5.0] };
+        let tool = Tool::cylinder(20.0, 7.0).unwrap();
+        let sweep = Sweep { from_mm: [4.0, 4.0, -1.0], to_mm: [5.0, 4.0, -1.0], axis: UP };
+        for axis in 0..3 {
+            let mut grid = Stock::new(&block, 0.25, 1 << 24).unwrap().grids()[axis].clone();
+            let removed_mm3 = [0, 1].map(|_| grid.cut(&passes(&tool, &[sweep], axis)));
+            assert!((removed_mm3[0] - 450.0).abs() < 1e-9 && removed_mm3[1] == 0.0, "{axis}: {removed_mm3:?}");
+            assert!(grid.tiles.iter().all(|tile| tile.extent == NOWHERE), "{axis}");
+        }
+    }
+
+    #[test]
     fn tilted_sweeps_leave_what_each_ray_loses_by_itself() {
         let block = Block { lowest_mm: [0.0; 3], highest_mm: [20.0, 9.0, 6.0] };
         let ring = Tool::ring([14.0, 11.5], 0.5, 20.0, 0.01).unwrap();
