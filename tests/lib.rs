@@ -7,6 +7,7 @@ use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
+use tempfile::TempDir;
 
 pub mod python;
 
@@ -118,20 +119,18 @@ pub fn skip_loudly(test: &str, why: &str) {
 
 /// A folder of a test's own, which goes with it.
 #[derive(Debug)]
-pub struct Scratch(PathBuf);
+pub struct Scratch(TempDir);
 
 impl Scratch {
-    /// An empty one; `name` distinguishes the tests of one process.
+    /// An empty one, no other's even under the same name.
     pub fn new(name: &str) -> Self {
-        let path = std::env::temp_dir().join(format!("arcfeed-{}-{name}", std::process::id()));
-        let _was_not_there = fs::remove_dir_all(&path);
-        fs::create_dir_all(&path).expect("a scratch folder can be made");
-        Scratch(path)
+        let folder = tempfile::Builder::new().prefix(&format!("arcfeed-{name}-")).tempdir();
+        Scratch(folder.expect("a scratch folder can be made"))
     }
 
     /// The path of a file in it, as an argument.
     pub fn path(&self, file: &str) -> String {
-        self.0.join(file).to_str().expect("scratch folders are named in ASCII").to_owned()
+        self.0.path().join(file).to_str().expect("scratch folders are named in ASCII").to_owned()
     }
 
     /// Writes a file into it; answers its path.
@@ -143,17 +142,11 @@ impl Scratch {
 
     /// Names of the files in it, sorted.
     pub fn files(&self) -> Vec<String> {
-        let entries = fs::read_dir(&self.0).expect("a scratch folder can be read");
+        let entries = fs::read_dir(self.0.path()).expect("a scratch folder can be read");
         let mut names: Vec<String> =
             entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
         names.sort();
         names
-    }
-}
-
-impl Drop for Scratch {
-    fn drop(&mut self) {
-        let _already_gone = fs::remove_dir_all(&self.0);
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::process::Command;
 
+use arcfeed_tests::Scratch;
 use arcfeed_units::MM_PER_INCH;
 
 use super::moves::Move;
@@ -11,18 +12,17 @@ const TOOLS: u32 = 99;
 
 /// Moves of a program as rs274 reads it, with tools of this radius.
 pub fn theirs(rs274: &str, text: &[u8], radius_mm: f64) -> Result<Vec<Move>, String> {
-    let folder = std::env::temp_dir().join(format!("rs274-{}-{:?}", std::process::id(), std::thread::current().id()));
-    std::fs::create_dir_all(&folder).expect("a folder");
-    std::fs::write(folder.join("p.ngc"), text).expect("a program");
+    let scratch = Scratch::new("rs274");
+    scratch.write("p.ngc", text);
     let tools: String =
         (1..=TOOLS).map(|tool| format!("T{tool} P{tool} D{}\n", 2.0 * radius_mm / MM_PER_INCH)).collect();
-    std::fs::write(folder.join("t.tbl"), tools).expect("a table");
-    std::fs::write(folder.join("v.var"), "").expect("variables");
+    scratch.write("t.tbl", tools);
+    scratch.write("v.var", "");
+    let folder = scratch.path("");
     let arguments = ["20", rs274, "-t", "t.tbl", "-v", "v.var", "-g", "p.ngc"];
     // rs274 keeps its tool table in the user's home, where programs running at the same time share it.
     let mut command = Command::new("timeout");
     let output = command.args(arguments).current_dir(&folder).env("HOME", &folder).output().expect("rs274 runs");
-    std::fs::remove_dir_all(&folder).expect("our own folder");
     let said = String::from_utf8_lossy(&output.stdout).into_owned();
     if !said.contains("PROGRAM_END") {
         let complaint = String::from_utf8_lossy(&output.stderr).into_owned() + "\n" + &said;
