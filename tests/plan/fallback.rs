@@ -36,13 +36,13 @@ fn a_plan_whose_proof_fails_gives_way_to_the_next_one() {
     let problem = || Problem::new(&blisk, &slot, &tool, &ROUGHING).unwrap();
     let ranked = ranked();
     assert!(ranked.windows(2).all(|pair| pair[0].share_ratio >= pair[1].share_ratio) && ranked.len() > 1);
-    // A point of the best plan's ring from which another plan stays away.
+    // A point of the best plan's ring, where that is lowest, from which another plan stays away.
     let first = &ranked[0].plan;
-    let lowest = poses(&first.path.steps()[2], 5.0)[0];
+    let lowest = poses_of(&ranked[0]).into_iter().min_by(|a, b| a.z.total_cmp(&b.z)).expect("poses");
     let middle_mm = (tool.outer_radius_mm + tool.inner_radius_mm) / 2.0;
     let around = (0..72).map(|k| {
         let (sin, cos) = libm::sincos(f64::from(k) * core::f64::consts::TAU / 72.0);
-        first.turn.inverse() * Point::new(lowest.x + middle_mm * cos, lowest.y + middle_mm * sin, lowest.z + 10.0)
+        first.turn.inverse() * Point::new(lowest.x + middle_mm * cos, lowest.y + middle_mm * sin, lowest.z + 1.0)
     });
     let others: Vec<_> = ranked[1..].iter().map(|other| (other, poses_of(other))).collect();
     let free = |point: &Point| others.iter().any(|(other, poses)| is_clear(other, poses, &tool, point));

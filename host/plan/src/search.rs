@@ -7,8 +7,6 @@
 //! g and H come from differences over a stencil whose spacing shrinks where it finds nothing better, so that kinks and
 //! borders slow the search down, but do not mislead it.
 
-use rayon::iter::{IntoParallelRefMutIterator, ParallelIterator};
-
 /// Place and value of a minimum of a function of two variables.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Minimum {
@@ -39,34 +37,13 @@ pub fn descend(ranges: [[f64; 2]; 2], start: Minimum, spacing: [f64; 2], f: impl
 
 /// Local minimum of a function of two variables near `start`, within `ranges`, by a search in these steps.
 pub fn descend_to(ranges: [[f64; 2]; 2], start: Minimum, steps: Steps, f: impl Fn([f64; 2]) -> f64) -> Minimum {
-    descend_by(ranges, start, steps, |best, _, places| {
+    let evaluate = |best: Minimum, places: &mut [Minimum]| {
         for k in 0..places.len() {
             // At a border several neighbours coincide.
             let known = places[..k].iter().chain([&best]).find(|known| known.at == places[k].at);
             places[k].value = known.map_or_else(|| f(places[k].at), |known| known.value);
         }
-    })
-}
-
-/// Descent for an expensive function: a stencil's values are computed on all cores.
-pub fn descend_parallel(
-    ranges: [[f64; 2]; 2],
-    start: Minimum,
-    spacing: [f64; 2],
-    f: impl Fn([f64; 2]) -> f64 + Sync,
-) -> Minimum {
-    descend_by(ranges, start, Steps { first: spacing, finest: FINEST }, |_, _, places| {
-        places.par_iter_mut().for_each(|least| least.value = f(least.at));
-    })
-}
-
-/// Descent whose values `evaluate` sets: of the best place so far, a reach, and places no farther from that place than the reach.
-pub fn descend_by(
-    ranges: [[f64; 2]; 2],
-    start: Minimum,
-    steps: Steps,
-    mut evaluate: impl FnMut(Minimum, f64, &mut [Minimum]),
-) -> Minimum {
+    };
     let inside = |at: [f64; 2]| [at[0].clamp(ranges[0][0], ranges[0][1]), at[1].clamp(ranges[1][0], ranges[1][1])];
     let mut best = start;
     let mut scale = 1.0;
@@ -75,16 +52,15 @@ pub fn descend_by(
             break;
         }
         let step = steps.first.map(|width| width * scale);
-        let reach = FARTHEST * libm::hypot(step[0], step[1]);
         let around =
             |[i, j]: [f64; 2]| Minimum { at: inside([best.at[0] + i * step[0], best.at[1] + j * step[1]]), ..best };
         // Along one line only the neighbours on it are used.
         let count = if step[1] > 0.0 { NEIGHBOURS.len() } else { 2 };
         let mut stencil = NEIGHBOURS.map(around);
         let stencil = &mut stencil[..count];
-        evaluate(best, reach, stencil);
+        evaluate(best, stencil);
         let mut newton = newton(best.value, stencil).map(around);
-        evaluate(best, reach, newton.as_mut_slice());
+        evaluate(best, newton.as_mut_slice());
         let found = stencil.iter().copied().chain(newton).min_by(|a, b| a.value.total_cmp(&b.value)).unwrap_or(best);
         if found.value < best.value {
             best = found;

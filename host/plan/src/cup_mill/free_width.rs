@@ -11,12 +11,22 @@
 //! The published axis lies along one blade. The other blade leans over it by the pitch, less its twist: with 19 blades
 //! 1 mm in 3 of depth. [`SidePoints::roomiest`] is the direction with the most free width, [`SidePoints::nearest`] one with enough free width
 //! on the way there.
+//!
+//! A ring that leans along its slot hardly gains or loses room: over 30 degrees some rotors have the same free width to a micrometre. So the roomiest
+//! direction d is that with the most of
+//!
+//! ```text
+//! free_width(d) - 0.003 mm |d - b|                                           (2)
+//! ```
+//!
+//! with b the blade's axis, both as lean and tilt ([`DirectionGrid`]).
 
-use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
+use nalgebra::Vector2;
+use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::cutter::CupMill;
 use crate::frame::slot_frame;
-use crate::search::{FINEST, Minimum, Steps, descend_by, descend_parallel};
+use crate::search::{Minimum, Steps, descend_to};
 use crate::vector::{Flat, Point, Vector};
 
 use super::side::OffsetSide;
@@ -30,15 +40,6 @@ pub struct FreeWidth {
     pub centre: Flat,
     /// Direction of the tool's axis, in the rotor's own frame.
     pub direction: Vector,
-}
-
-/// Free width of a ring for many directions of the tool.
-#[derive(Clone, Debug)]
-pub struct FreeWidths {
-    /// Free widths for the directions of a grid.
-    pub grid: Vec<FreeWidth>,
-    /// Free width of the direction that has the most.
-    pub roomiest: FreeWidth,
 }
 
 /// Sample points of both sides of a slot, in the rotor's own frame.
@@ -55,16 +56,19 @@ pub const LEAN_MAX_RAD: f64 = 0.5;
 const LEANS: i32 = 6;
 /// Step of the grid of directions, rad.
 pub const LEAN_STEP_RAD: f64 = LEAN_MAX_RAD / LEANS as f64;
-/// Centres of the coarse grid, about the slot, degrees.
+/// Free width that a direction must have more for each radian from the blade's axis: between all directions less than the triangles of a proof lose.
+const LEAN_MM_PER_RAD: f64 = 0.003;
+/// Bearings of the coarse grid, from that of a ring square to the slot, degrees.
 const BEARINGS_DEG: [f64; 25] = {
     let mut bearings = [0.0; 25];
     let mut k = 0;
     while k < 25 {
-        bearings[k] = (k as f64 - 12.0) * 5.0;
+        bearings[k] = (k as f64 - 12.0) * BEARING_STEP_DEG;
         k += 1;
     }
     bearings
 };
+const BEARING_STEP_DEG: f64 = 5.0;
 
 impl SidePoints {
     /// Samples of the sides, which are given in the part frame.
@@ -79,23 +83,22 @@ impl SidePoints {
         let seen = |points: &[Point]| -> Vec<Flat> { points.iter().map(|point| (turn * point).xy()).collect() };
         let (pressure, suction) = (seen(&self.pressure), seen(&self.suction));
         let (from, to) = (middle(&pressure), middle(&suction));
-        let bearing = libm::atan2(to.y - from.y, to.x - from.x);
-        let between = nalgebra::center(&from, &to);
+        let square_rad = libm::atan2(to.y - from.y, to.x - from.x);
+        let slot = Slot {
+            cutter,
+            middle: nalgebra::center(&from, &to),
+            sides: [pressure, suction].map(|points| Lanes::new(&points)),
+        };
         let radius_mm = (cutter.outer_radius_mm + cutter.inner_radius_mm) / 2.0;
-        let mut missing = MissingWidth::new(cutter, [pressure, suction]);
-        let starts = BEARINGS_DEG.map(|deg| {
-            let (sin, cos) = libm::sincos(bearing + deg.to_radians());
-            let at = [between.x + radius_mm * cos, between.y + radius_mm * sin];
-            Minimum { at, value: missing.value(at) }
+        let rings = BEARINGS_DEG.map(|deg| slot.balanced(square_rad + deg.to_radians(), radius_mm));
+        let start = rings.into_iter().min_by(|a, b| a.missing_mm.total_cmp(&b.missing_mm))?;
+        let best = Minimum { at: [start.bearing_rad, 0.0], value: start.missing_mm };
+        let steps = Steps { first: [BEARING_STEP_DEG.to_radians(), 0.0], finest: FINEST_BEARING };
+        let found = descend_to([[f64::MIN, f64::MAX], [0.0; 2]], best, steps, |[bearing_rad, _]| {
+            slot.balanced(bearing_rad, start.distance_mm).missing_mm
         });
-        let start = starts.into_iter().min_by(|a, b| a.value.total_cmp(&b.value))?;
-        let everywhere = [[f64::MIN, f64::MAX]; 2];
-        let steps = Steps { first: [2.0, 2.0], finest: FINEST };
-        let found = descend_by(everywhere, start, steps, |best, reach_mm, places| {
-            missing.approach(best.at, reach_mm);
-            places.iter_mut().for_each(|place| place.value = missing.value(place.at));
-        });
-        Some(FreeWidth { per_side_mm: -found.value, centre: Flat::from(found.at), direction: *direction })
+        let ring = slot.balanced(found.at[0], start.distance_mm);
+        Some(FreeWidth { per_side_mm: -ring.missing_mm, centre: ring.centre, direction: *direction })
     }
 
     /// First direction on the way from `from` to `to` with at least `enough_mm` of free space; `to` if there is none
@@ -117,94 +120,98 @@ impl SidePoints {
         best
     }
 
-    /// Direction with the most free space, and that space.
-    pub fn roomiest(&self, cutter: &CupMill) -> Option<FreeWidth> {
-        self.free_widths(cutter).map(|found| found.roomiest)
-    }
-
-    /// Free space for a grid of directions, and the largest one, which a local search from the best of them finds.
-    pub fn free_widths(&self, cutter: &CupMill) -> Option<FreeWidths> {
-        let about = DirectionGrid::new(self)?;
-        let free_width = |at: [f64; 2]| self.free_width(cutter, &about.direction(at));
-        let missing = |width: Option<FreeWidth>| width.map_or(f64::INFINITY, |width| -width.per_side_mm);
-        let places: Vec<[f64; 2]> = leans().collect();
-        let grid: Vec<Option<FreeWidth>> = places.par_iter().map(|at| free_width(*at)).collect();
-        let starts = places.into_iter().zip(&grid).map(|(at, free_width)| Minimum { at, value: missing(*free_width) });
-        let start = starts.min_by(|a, b| a.value.total_cmp(&b.value))?;
+    /// Direction with the most free width, after (2), and that width; `blade` is the direction of the blade's axis. At each tilt along the slot the
+    /// best lean across it is searched, as from tilt to tilt the free width changes little and from lean to lean much.
+    pub fn roomiest(&self, cutter: &CupMill, blade: &Vector) -> Option<FreeWidth> {
+        let grid = DirectionGrid::of_slot(self)?;
+        let blade = grid.place(blade);
+        let known = |at: [f64; 2]| {
+            let width_mm =
+                self.free_width(cutter, &grid.direction(at)).map_or(f64::NEG_INFINITY, |width| width.per_side_mm);
+            let lean_rad = libm::hypot(at[0] - blade[0], at[1] - blade[1]);
+            Minimum { at, value: LEAN_MM_PER_RAD * lean_rad - width_mm } // (2)
+        };
         let range = [-LEAN_MAX_RAD, LEAN_MAX_RAD];
-        let found = descend_parallel([range, range], start, [LEAN_STEP_RAD / 2.0; 2], |at| missing(free_width(at)));
-        Some(FreeWidths { grid: grid.into_iter().flatten().collect(), roomiest: free_width(found.at)? })
+        let steps = Steps { first: [LEAN_STEP_RAD / 2.0, 0.0], finest: FINEST_LEAN };
+        let across = |start: Minimum| descend_to([range, [start.at[1]; 2]], start, steps, |at| known(at).value);
+        let tilts: Vec<f64> = steps_of_grid().collect();
+        let rows =
+            tilts.into_par_iter().filter_map(|tilt| least(steps_of_grid().map(|lean| known([lean, tilt])))).map(across);
+        let row = least(rows.collect::<Vec<_>>())?;
+        let at_tilt = |tilt: f64| across(known([row.at[0], tilt]));
+        let start = Minimum { at: [row.at[1], 0.0], ..row };
+        let found = descend_to([range, [0.0; 2]], start, steps, |[tilt, _]| at_tilt(tilt).value);
+        self.free_width(cutter, &grid.direction(at_tilt(found.at[0]).at))
     }
 }
 
-/// Width that a ring lacks on each side, by its centre: (1), negative.
-struct MissingWidth<'c> {
+/// The best of some places.
+fn least(places: impl IntoIterator<Item = Minimum>) -> Option<Minimum> {
+    places.into_iter().min_by(|a, b| a.value.total_cmp(&b.value))
+}
+
+/// Both sides of a slot, seen along the tool, for a ring between them.
+struct Slot<'c> {
     cutter: &'c CupMill,
-    /// All points of the pressure and of the suction side, seen along the tool.
-    sides: [Vec<Flat>; 2],
-    near: NearPoints,
+    middle: Flat,
+    /// Points of the pressure and of the suction side.
+    sides: [Lanes; 2],
 }
 
-/// The points that can be the nearest or the farthest of their side, of any centre within a reach.
-struct NearPoints {
+/// Ring with the same room on both sides, of all whose centre lies in one bearing from the slot's middle: the farther it is, the farther the ring is
+/// from the pressure and the nearer to the suction side, so no other has more.
+#[derive(Clone, Copy)]
+struct BalancedRing {
+    bearing_rad: f64,
+    /// Distance of the centre from the slot's middle.
+    distance_mm: f64,
     centre: Flat,
-    reach_mm: f64,
-    sides: [Vec<Flat>; 2],
-    lanes: [Lanes; 2],
+    /// Width that is missing on each side: (1), negative.
+    missing_mm: f64,
 }
 
-/// Reach that points are selected for, over that of a step: the steps grow, too.
-const AHEAD: f64 = 2.0;
-/// Part of the reach of the points below which fewer points are selected.
-const SMALL: f64 = 0.125;
-/// More than the rounding errors of distances, mm.
-const ROUNDING_MM: f64 = 1e-9;
+/// Difference of both sides' room that counts as none, mm.
+const BALANCE_MM: f64 = 1e-11;
+/// Limit of the secants to a balanced ring, more than it needs.
+const SECANTS_MAX: usize = 50;
+/// Last step of the bearing, relative to the first.
+const FINEST_BEARING: f64 = 1e-9;
+/// Last step of a direction, relative to the first.
+const FINEST_LEAN: f64 = 1e-4;
 
-impl<'c> MissingWidth<'c> {
-    fn new(cutter: &'c CupMill, sides: [Vec<Flat>; 2]) -> Self {
-        let near = NearPoints::new(Flat::origin(), f64::INFINITY, sides.clone());
-        MissingWidth { cutter, sides, near }
-    }
-
-    /// Prepares for values within `reach_mm` of `centre`.
-    fn approach(&mut self, centre: [f64; 2], reach_mm: f64) {
-        let centre = Flat::from(centre);
-        let is_inside = (centre - self.near.centre).norm() + reach_mm <= self.near.reach_mm;
-        if !is_inside || reach_mm < SMALL * self.near.reach_mm {
-            let from = if is_inside { &self.near.sides } else { &self.sides };
-            self.near = NearPoints::of(from, centre, AHEAD * reach_mm);
+impl Slot<'_> {
+    /// The balanced ring in a bearing, found by secants from a distance on.
+    fn balanced(&self, bearing_rad: f64, distance_mm: f64) -> BalancedRing {
+        let (sin, cos) = libm::sincos(bearing_rad);
+        let at = |distance_mm: f64| {
+            let centre = self.middle + Vector2::new(cos, sin) * distance_mm;
+            let [on_pressure, on_suction] = self.missing_mm(centre);
+            let missing_mm = on_pressure.max(on_suction);
+            (BalancedRing { bearing_rad, distance_mm, centre, missing_mm }, on_pressure - on_suction)
+        };
+        let (mut ring, mut excess_mm) = at(distance_mm);
+        // Square to the slot each side changes as the distance does.
+        let mut per_mm = -2.0;
+        for _ in 0..SECANTS_MAX {
+            if excess_mm.abs() <= BALANCE_MM {
+                break;
+            }
+            let (next, next_mm) = at(ring.distance_mm - excess_mm / per_mm);
+            let slope = (next_mm - excess_mm) / (next.distance_mm - ring.distance_mm);
+            if slope < 0.0 {
+                per_mm = slope;
+            }
+            (ring, excess_mm) = (next, next_mm);
         }
+        ring
     }
 
-    /// Missing width at a centre that has been approached.
-    fn value(&self, [x, y]: [f64; 2]) -> f64 {
-        let centre = Flat::new(x, y);
-        debug_assert!((centre - self.near.centre).norm() <= self.near.reach_mm, "points left out may matter there");
-        let [pressure, suction] = &self.near.lanes;
-        let outer = libm::sqrt(pressure.nearest_mm2(centre)) - self.cutter.outer_radius_mm;
-        let inner = self.cutter.inner_radius_mm - libm::sqrt(suction.farthest_mm2(centre));
-        -outer.min(inner) // (1)
-    }
-}
-
-impl NearPoints {
-    fn new(centre: Flat, reach_mm: f64, sides: [Vec<Flat>; 2]) -> Self {
-        let lanes = [0, 1].map(|side: usize| Lanes::new(&sides[side]));
-        NearPoints { centre, reach_mm, sides, lanes }
-    }
-
-    /// Points of the pressure side up to twice the reach farther from the centre than the nearest one, and of the suction side up to twice the
-    /// reach nearer than the farthest one. Seen from another centre, each distance differs by the reach at most.
-    fn of([pressure, suction]: &[Vec<Flat>; 2], centre: Flat, reach_mm: f64) -> Self {
-        let spread_mm = 2.0 * reach_mm + ROUNDING_MM;
-        let square_mm2 = |point: &Flat| (point - centre).norm_squared();
-        let nearest_mm2 = pressure.iter().map(square_mm2).fold(f64::INFINITY, f64::min);
-        let farthest_mm2 = suction.iter().map(square_mm2).fold(0.0, f64::max);
-        let most_mm = libm::sqrt(nearest_mm2) + spread_mm;
-        let least_mm = (libm::sqrt(farthest_mm2) - spread_mm).max(0.0);
-        let pressure = pressure.iter().filter(|point| square_mm2(point) <= most_mm * most_mm).copied().collect();
-        let suction = suction.iter().filter(|point| square_mm2(point) >= least_mm * least_mm).copied().collect();
-        NearPoints::new(centre, reach_mm, [pressure, suction])
+    /// Width that a ring about a centre lacks on the pressure and on the suction side: both terms of (1), negative.
+    fn missing_mm(&self, centre: Flat) -> [f64; 2] {
+        let [pressure, suction] = &self.sides;
+        let outer = self.cutter.outer_radius_mm - libm::sqrt(pressure.nearest_mm2(centre));
+        let inner = libm::sqrt(suction.farthest_mm2(centre)) - self.cutter.inner_radius_mm;
+        [outer, inner]
     }
 }
 
@@ -246,30 +253,49 @@ impl Lanes {
 /// Halvings of the interval between two directions.
 const HALVINGS: i32 = 20;
 
-/// Directions about the slot's middle, by their lean along the circumference and their tilt along the rotor's axis.
+/// Directions about the slot's middle, by their leans towards two axes square to it.
 pub struct DirectionGrid {
     middle: Vector,
-    aside: Vector,
+    axes: [Vector; 2],
 }
 
 impl DirectionGrid {
-    /// Directions about the middle of a slot.
+    /// Directions about the middle of a slot, by their lean along the circumference and their tilt along the rotor's axis.
     pub fn new(walls: &SidePoints) -> Option<Self> {
         let mean = walls.pressure.iter().chain(&walls.suction).map(|point| point.coords).sum::<Vector>();
         let middle = Vector::new(mean.x, mean.y, 0.0).try_normalize(1e-9)?;
-        Some(DirectionGrid { middle, aside: Vector::z().cross(&middle) })
+        Some(DirectionGrid { middle, axes: [Vector::z().cross(&middle), Vector::z()] })
+    }
+
+    /// The same directions, by their lean across the slot and their tilt along it.
+    fn of_slot(walls: &SidePoints) -> Option<Self> {
+        let DirectionGrid { middle, .. } = DirectionGrid::new(walls)?;
+        let mean = |points: &[Point]| points.iter().map(|point| point.coords).sum::<Vector>() / points.len() as f64;
+        let from_side_to_side = mean(&walls.suction) - mean(&walls.pressure);
+        let along = middle.cross(&from_side_to_side).try_normalize(1e-9)?;
+        Some(DirectionGrid { middle, axes: [along.cross(&middle), along] })
+    }
+
+    /// Place of a direction, or the nearest one to it within the grid.
+    fn place(&self, direction: &Vector) -> [f64; 2] {
+        let lean = |axis: Vector| direction.dot(&axis) / direction.dot(&self.middle);
+        self.axes.map(|axis| lean(axis).clamp(-LEAN_MAX_RAD, LEAN_MAX_RAD))
     }
 
     /// Direction at a place of the grid.
-    pub fn direction(&self, [lean, tilt]: [f64; 2]) -> Vector {
-        (self.middle + self.aside * lean + Vector::z() * tilt).normalize()
+    pub fn direction(&self, [first, second]: [f64; 2]) -> Vector {
+        (self.middle + self.axes[0] * first + self.axes[1] * second).normalize()
     }
+}
+
+/// Leans of the coarse grid towards one axis.
+fn steps_of_grid() -> impl Iterator<Item = f64> {
+    (-LEANS..=LEANS).map(|index| f64::from(index) * LEAN_STEP_RAD)
 }
 
 /// Leans and tilts of the coarse grid.
 pub fn leans() -> impl Iterator<Item = [f64; 2]> {
-    let step = |index: i32| f64::from(index) * LEAN_STEP_RAD;
-    (-LEANS..=LEANS).flat_map(move |i| (-LEANS..=LEANS).map(move |j| [step(i), step(j)]))
+    steps_of_grid().flat_map(|lean| steps_of_grid().map(move |tilt| [lean, tilt]))
 }
 
 fn middle(places: &[Flat]) -> Flat {

@@ -69,9 +69,9 @@ impl WholeBlade {
         };
         let sides = [nearer_mm, allowance_mm].map(of_blade);
         let points = || sides[1].iter().flat_map(Patch::samples);
-        let start = *points().next().unwrap_or(&Point::origin());
-        let (low, high) = points().fold((start, start), |(low, high), at| (low.inf(at), high.sup(at)));
-        let centre = nalgebra::center(&low, &high);
+        // Their mean turns with the blade, as the centre of a box would not.
+        let sum = points().map(|point| point.coords).sum::<Vector>();
+        let centre = Point::from(sum / points().count() as f64);
         let radius_mm = points().map(|point| (point - centre).norm()).fold(0.0, f64::max);
         WholeBlade { sides, ball: (centre, radius_mm) }
     }

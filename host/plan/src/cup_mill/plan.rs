@@ -204,8 +204,8 @@ impl PreparedSlot {
     fn free_width(&self, request: &Request<'_>) -> Option<FreeWidth> {
         let (cutter, walls) = (request.cutter, self.walls(request.uncut_eighths));
         match request.roughing.axis {
-            AxisChoice::Blade => self.near_blade(cutter, request.uncut_eighths, || walls.roomiest(cutter)),
-            AxisChoice::Roomiest => walls.roomiest(cutter),
+            AxisChoice::Blade => self.near_blade(cutter, walls),
+            AxisChoice::Roomiest => walls.roomiest(cutter, &self.blade_axis.direction),
             AxisChoice::Given(direction) => {
                 let axis = self.form.normal(&direction).try_normalize(0.0)?;
                 walls.free_width(cutter, &axis)
@@ -243,18 +243,12 @@ impl PreparedSlot {
 
     /// First direction with enough free width on the way from the blade's axis to the direction with the most,
     /// at worst that one; `None` if the free width of neither can be computed.
-    pub fn near_blade(
-        &self,
-        cutter: &CupMill,
-        uncut_eighths: usize,
-        roomiest: impl Fn() -> Option<FreeWidth>,
-    ) -> Option<FreeWidth> {
-        let walls = self.walls(uncut_eighths);
+    fn near_blade(&self, cutter: &CupMill, walls: &SidePoints) -> Option<FreeWidth> {
         let blade = walls.free_width(cutter, &self.blade_axis.direction)?;
         if blade.per_side_mm >= ENOUGH_MM {
             return Some(blade);
         }
-        let roomiest = roomiest()?;
+        let roomiest = walls.roomiest(cutter, &blade.direction)?;
         Some(walls.nearest(cutter, &blade, &roomiest, ENOUGH_MM.min(roomiest.per_side_mm / 2.0)))
     }
 
