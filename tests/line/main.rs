@@ -14,6 +14,8 @@ mod example_campaigns;
 
 mod first_thread;
 
+mod instructions;
+
 mod json_docs;
 
 mod live_page;

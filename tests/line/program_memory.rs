@@ -33,7 +33,7 @@ fn line_count() -> usize {
 }
 
 /// The example's first arcs again and again, under its rules, between one beginning and one end.
-fn program(lines: usize) -> String {
+pub fn program(lines: usize) -> String {
     let example = std::fs::read_to_string(root().join("examples/ibr-slot/ibr-slot.nc")).expect("the example");
     let all: Vec<&str> = example.lines().collect();
     let place = |number: &str| all.iter().position(|line| line.starts_with(number)).expect("a block of it");
@@ -44,7 +44,8 @@ fn program(lines: usize) -> String {
     text + &all[end..].join("\n") + "\n"
 }
 
-fn job(scratch: &Scratch, program: &str) -> String {
+/// The example's job, with this program.
+pub fn job(scratch: &Scratch, program: &str) -> String {
     let job = std::fs::read_to_string(root().join("examples/ibr-slot/job.toml")).expect("the example");
     scratch.write("job.toml", job.replace("program = \"ibr-slot.nc\"", &format!("program = \"{program}\"")))
 }

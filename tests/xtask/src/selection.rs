@@ -22,7 +22,7 @@ const QUICK: [&str; 12] = [
     "machine",
 ];
 /// Parts of test names that `quick` leaves out: tests that run for seconds, or build something first.
-const SLOW: [&str; 49] = [
+const SLOW: [&str; 50] = [
     "alone::",
     "application::",
     "blade::",
@@ -46,6 +46,7 @@ const SLOW: [&str; 49] = [
     "feed_bounds::no_chip",
     "feed_bounds::tools",
     "fuzz::",
+    "instructions::",
     "job_values::values",
     "json_docs::",
     "kinematics::",
