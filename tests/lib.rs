@@ -17,6 +17,8 @@ pub mod noticed;
 
 pub mod recording;
 
+pub mod valgrind;
+
 /// Longest wait for a process under test.
 const WAIT_MAX: Duration = Duration::from_secs(60);
 

@@ -21,7 +21,8 @@ use arcfeed_nc::modal::{Feed, Plane, Pose, Turn};
 use arcfeed_nc::segment::{Arc, Path as Track, Segment};
 use arcfeed_tests::emulation::images::static_library;
 use arcfeed_tests::emulation::qemu;
-use arcfeed_tests::{Scratch, root, skip_loudly};
+use arcfeed_tests::valgrind::valgrind_or_skip;
+use arcfeed_tests::{Scratch, root};
 use arcfeed_units::{Nm, RevPerMin, Span};
 
 /// Undefined function that the panic handler calls.
@@ -176,14 +177,11 @@ fn the_program_of_the_readme_runs() {
 /// As valgrind's memcheck sees it: no access beyond the caller's memory, no use of what was never written.
 #[test]
 fn the_library_touches_only_the_memory_that_it_was_given() {
-    if Command::new("valgrind").arg("--version").output().is_err() {
-        skip_loudly("the_library_touches_only_the_memory_that_it_was_given", "there is no valgrind (Debian's package)");
-        return;
-    }
+    let test = "the_library_touches_only_the_memory_that_it_was_given";
+    let Some(mut memcheck) = valgrind_or_skip(test) else { return };
     let scratch = Scratch::new("c-memcheck");
     write_page(&scratch);
     assert_done(&compile_readme(&scratch, &static_library(false, "")));
-    let mut memcheck = Command::new("valgrind");
     memcheck.args(["--error-exitcode=99", &scratch.path("readme")]);
     let output = memcheck.current_dir(scratch.path("")).output().expect("it runs");
     assert_done(&output);

@@ -55,7 +55,7 @@ fn best_of(start: [f64; 2], [count, step]: [f64; 2], finest: f64, f: impl Fn([f6
     best
 }
 
-/// Greatest value of a function with one peak near the middle of an interval.
+/// Greatest value of a function with one peak in an interval.
 fn peak([low, high]: [f64; 2], f: impl Fn(f64) -> f64) -> f64 {
     let (mut low, mut high) = (low, high);
     for _ in 0..40 {

@@ -5,11 +5,11 @@
 
 use std::fmt::Write;
 use std::hint::black_box;
-use std::process::Command;
 
 use arcfeed_nc::block::Reading;
 use arcfeed_nc::reader::{InterpretedLine, Reader};
 use arcfeed_nc::word::Words;
+use arcfeed_tests::valgrind::instructions;
 use arcfeed_units::LengthUnit;
 
 fn main() {
@@ -22,7 +22,9 @@ fn main() {
 }
 
 fn measure(lines: u64) {
-    let [made, lexed, interpreted] = ["make", "lex", "interpret"].map(|what| instructions(what, lines));
+    let own = std::env::current_exe().expect("this program");
+    let run = |what| instructions(&own, &[what, &lines.to_string()]);
+    let [made, lexed, interpreted] = ["make", "lex", "interpret"].map(run);
     let per_line = |total: u64| total.saturating_sub(made) / lines;
     println!(
         "{lines} lines: lexing {}, full interpretation {} instructions a line",
@@ -30,17 +32,6 @@ fn measure(lines: u64) {
         per_line(interpreted)
     );
     println!("memory: {} bytes of reader, no heap", size_of::<Reader>());
-}
-
-/// Instructions of one run, as callgrind counts them.
-fn instructions(what: &str, lines: u64) -> u64 {
-    let own = std::env::current_exe().expect("this program");
-    let valgrind = ["--tool=callgrind", "--callgrind-out-file=/dev/null"];
-    let output = Command::new("valgrind").args(valgrind).arg(own).args([what, &lines.to_string()]).output();
-    let said = output.expect("valgrind is installed").stderr;
-    let said = String::from_utf8_lossy(&said);
-    let total = said.lines().find_map(|line| line.split_once("Collected :"));
-    total.and_then(|(_, count)| count.trim().parse().ok()).expect("callgrind counts")
 }
 
 /// Makes the program and reads it; the answer only keeps the work from being left out.

@@ -19,7 +19,7 @@
 //! free_width(d) - 0.003 mm |d - b|                                           (2)
 //! ```
 //!
-//! with b the blade's axis, both as lean and tilt ([`DirectionGrid`]).
+//! with b the blade's axis; d and b are leans across the slot and tilts along it ([`DirectionGrid`]).
 
 use nalgebra::Vector2;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
@@ -56,18 +56,11 @@ pub const LEAN_MAX_RAD: f64 = 0.5;
 const LEANS: i32 = 6;
 /// Step of the grid of directions, rad.
 pub const LEAN_STEP_RAD: f64 = LEAN_MAX_RAD / LEANS as f64;
-/// Free width that a direction must have more for each radian from the blade's axis: between all directions less than the triangles of a proof lose.
+/// Free width that a direction must gain for each radian from the blade's axis. Over all directions that is less than a proof loses to its triangles.
 const LEAN_MM_PER_RAD: f64 = 0.003;
-/// Bearings of the coarse grid, from that of a ring square to the slot, degrees.
-const BEARINGS_DEG: [f64; 25] = {
-    let mut bearings = [0.0; 25];
-    let mut k = 0;
-    while k < 25 {
-        bearings[k] = (k as f64 - 12.0) * BEARING_STEP_DEG;
-        k += 1;
-    }
-    bearings
-};
+/// Bearings of the coarse grid, to each side of that of a ring square to the slot.
+const BEARINGS: i32 = 12;
+/// Step of these bearings, degrees.
 const BEARING_STEP_DEG: f64 = 5.0;
 
 impl SidePoints {
@@ -90,8 +83,9 @@ impl SidePoints {
             sides: [pressure, suction].map(|points| Lanes::new(&points)),
         };
         let radius_mm = (cutter.outer_radius_mm + cutter.inner_radius_mm) / 2.0;
-        let rings = BEARINGS_DEG.map(|deg| slot.balanced(square_rad + deg.to_radians(), radius_mm));
-        let start = rings.into_iter().min_by(|a, b| a.missing_mm.total_cmp(&b.missing_mm))?;
+        let bearings = (-BEARINGS..=BEARINGS).map(|index| (f64::from(index) * BEARING_STEP_DEG).to_radians());
+        let rings = bearings.map(|turn_rad| slot.balanced(square_rad + turn_rad, radius_mm));
+        let start = rings.min_by(|a, b| a.missing_mm.total_cmp(&b.missing_mm))?;
         let best = Minimum { at: [start.bearing_rad, 0.0], value: start.missing_mm };
         let steps = Steps { first: [BEARING_STEP_DEG.to_radians(), 0.0], finest: FINEST_BEARING };
         let found = descend_to([[f64::MIN, f64::MAX], [0.0; 2]], best, steps, |[bearing_rad, _]| {
@@ -125,7 +119,7 @@ impl SidePoints {
     pub fn roomiest(&self, cutter: &CupMill, blade: &Vector) -> Option<FreeWidth> {
         let grid = DirectionGrid::of_slot(self)?;
         let blade = grid.place(blade);
-        let known = |at: [f64; 2]| {
+        let valued = |at: [f64; 2]| {
             let width_mm =
                 self.free_width(cutter, &grid.direction(at)).map_or(f64::NEG_INFINITY, |width| width.per_side_mm);
             let lean_rad = libm::hypot(at[0] - blade[0], at[1] - blade[1]);
@@ -133,12 +127,14 @@ impl SidePoints {
         };
         let range = [-LEAN_MAX_RAD, LEAN_MAX_RAD];
         let steps = Steps { first: [LEAN_STEP_RAD / 2.0, 0.0], finest: FINEST_LEAN };
-        let across = |start: Minimum| descend_to([range, [start.at[1]; 2]], start, steps, |at| known(at).value);
-        let tilts: Vec<f64> = steps_of_grid().collect();
-        let rows =
-            tilts.into_par_iter().filter_map(|tilt| least(steps_of_grid().map(|lean| known([lean, tilt])))).map(across);
+        let best_lean = |start: Minimum| descend_to([range, [start.at[1]; 2]], start, steps, |at| valued(at).value);
+        let tilts: Vec<f64> = grid_leans().collect();
+        let rows = tilts
+            .into_par_iter()
+            .filter_map(|tilt| least(grid_leans().map(|lean| valued([lean, tilt]))))
+            .map(best_lean);
         let row = least(rows.collect::<Vec<_>>())?;
-        let at_tilt = |tilt: f64| across(known([row.at[0], tilt]));
+        let at_tilt = |tilt: f64| best_lean(valued([row.at[0], tilt]));
         let start = Minimum { at: [row.at[1], 0.0], ..row };
         let found = descend_to([range, [0.0; 2]], start, steps, |[tilt, _]| at_tilt(tilt).value);
         self.free_width(cutter, &grid.direction(at_tilt(found.at[0]).at))
@@ -289,13 +285,13 @@ impl DirectionGrid {
 }
 
 /// Leans of the coarse grid towards one axis.
-fn steps_of_grid() -> impl Iterator<Item = f64> {
+fn grid_leans() -> impl Iterator<Item = f64> {
     (-LEANS..=LEANS).map(|index| f64::from(index) * LEAN_STEP_RAD)
 }
 
 /// Leans and tilts of the coarse grid.
 pub fn leans() -> impl Iterator<Item = [f64; 2]> {
-    steps_of_grid().flat_map(|lean| steps_of_grid().map(move |tilt| [lean, tilt]))
+    grid_leans().flat_map(|lean| grid_leans().map(move |tilt| [lean, tilt]))
 }
 
 fn middle(places: &[Flat]) -> Flat {
