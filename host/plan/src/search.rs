@@ -1,4 +1,4 @@
-//! Minimum of a function over a rectangle.
+//! Minimum of a function over a rectangle, and zero of a function on a line.
 //!
 //! ```text
 //! f(x + d) = f + g.d + d.H.d / 2,  d = -(H + damping)^-1 g                    (1)
@@ -12,6 +12,15 @@
 pub struct Minimum {
     /// Place.
     pub at: [f64; 2],
+    /// Value.
+    pub value: f64,
+}
+
+/// Place and value of a function of one variable.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// Place.
+    pub at: f64,
     /// Value.
     pub value: f64,
 }
@@ -72,6 +81,44 @@ pub fn descend_to(ranges: [[f64; 2]; 2], start: Minimum, steps: Steps, f: impl F
     best
 }
 
+/// Zero of a function between a place where it is negative and one where it is not: a place where it is not negative, but below `precision`, or
+/// where it is not negative and is within `precision` of that. Regula falsi with halved ends (Illinois) towards half the precision; where two steps do not
+/// halve the range, as at a jump, it is halved in the middle.
+///
+/// Source: Dowell, Jarratt, A modified regula falsi method for computing the root of an equation, BIT 11 (1971).
+pub fn crossing(mut below: Sample, mut above: Sample, precision: f64, f: impl Fn(f64) -> f64) -> f64 {
+    let mut weights = [1.0; 2];
+    let mut last_is_below = None;
+    let mut width_before = f64::INFINITY;
+    for round in 0.. {
+        let width = libm::fabs(above.at - below.at);
+        if above.value < precision || width < precision {
+            break;
+        }
+        let is_slow = round % 2 == 1 && width > width_before / 2.0;
+        if round % 2 == 1 {
+            width_before = width;
+        }
+        let [low, high] = [below.value * weights[0], above.value * weights[1]].map(|value| value - precision / 2.0);
+        let secant = above.at - (above.at - below.at) * high / (high - low);
+        let is_between = (secant - below.at) * (above.at - secant) > 0.0;
+        let at = if is_between && !is_slow { secant } else { f64::midpoint(below.at, above.at) };
+        let here = Sample { at, value: f(at) };
+        let is_below = here.value < 0.0;
+        if is_below {
+            (below, weights[0]) = (here, 1.0);
+        } else {
+            (above, weights[1]) = (here, 1.0);
+        }
+        // The end that stays a second time counts half.
+        if last_is_below == Some(is_below) {
+            weights[usize::from(is_below)] /= 2.0;
+        }
+        last_is_below = Some(is_below);
+    }
+    above.at
+}
+
 /// Stencil around a place, in its spacings: two pairs along the axes, one along each diagonal.
 const NEIGHBOURS: [[f64; 2]; 8] =
     [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]];
@@ -98,4 +145,38 @@ fn newton(middle: f64, stencil: &[Minimum]) -> Option<[f64; 2]> {
         [(xy * gradient[1] - yy * gradient[0]) / determinant, (xy * gradient[0] - xx * gradient[1]) / determinant];
     let is_sound = determinant > 0.0 && step.iter().all(|part| part.is_finite());
     is_sound.then(|| step.map(|part| part.clamp(-FARTHEST, FARTHEST)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_zero_is_found_within_the_precision_in_few_steps() {
+        use core::cell::Cell;
+        let found = |f: fn(f64) -> f64, [below, above]: [f64; 2]| {
+            let count = Cell::new(0);
+            let counted = |at: f64| {
+                count.set(count.get() + 1);
+                f(at)
+            };
+            let [below, above] = [below, above].map(|at| Sample { at, value: f(at) });
+            (crossing(below, above, 1e-10, counted), count.get())
+        };
+        type Case = (fn(f64) -> f64, [f64; 2], f64, usize);
+        let cases: [Case; 5] = [
+            (|x| x * x - 2.0, [1.0, 2.0], core::f64::consts::SQRT_2, 7),
+            // From above to below.
+            (|x| libm::cos(x), [3.0, 0.0], core::f64::consts::FRAC_PI_2, 5),
+            (|x| libm::exp(20.0 * x) - 5.0, [-1.0, 2.0], libm::log(5.0) / 20.0, 19),
+            // At a jump the range is halved, if not each time.
+            (|x| if x < 0.3 { -1e-3 } else { 7.0 }, [0.0, 1.0], 0.3, 102),
+            (|x| if x < 0.3 { f64::NEG_INFINITY } else { f64::NAN }, [0.0, 1.0], 0.3, 40),
+        ];
+        for (f, ends, truth, most) in cases {
+            let (at, count) = found(f, ends);
+            assert!((at - truth).abs() < 1e-10 && count <= most, "{at} {truth} {count}");
+            assert!(f(at) >= 0.0 || f(at).is_nan());
+        }
+    }
 }

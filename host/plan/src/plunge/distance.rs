@@ -7,26 +7,51 @@
 //! Each piece of the surface lies in a box about c whose edges point along a_1, the mean normal of the piece, and along the two main directions of its
 //! corners across that. A piece of a smooth surface is flat, and on a blade often long and narrow: beside the nearest point spheres and discs about such pieces
 //! come nearer than the surface, boxes do not. Our own.
+//!
+//! Boxes only decide which triangles are measured: single precision is enough for them, and four are compared at once. The bound (1) is computed from
+//! a_k . (c - o), the place of the box from the middle o of all triangles, which reach to R. With u = 2^-24 each a_k . (p - o) - a_k . (c - o) is wrong by less than
+//! 7 u |p - o| + 5 u R, and (1), with its squares and their sum, by less than 17 u (|p - o| + R).
 
 use crate::geometry::mesh::Triangle;
 use crate::proof::spheres::{Node, Tree};
 use crate::vector::{Point, Vector};
 
-/// More than rounding of (1), mm: no piece with the nearest point is left out.
-const ROUNDING_MM: f64 = 1e-9;
+/// More than the error of (1) in single precision, of |p - o| + R: no piece with the nearest point is left out.
+const ROUNDING: f64 = 32.0 / (1 << 24) as f64;
 
 /// Triangles to which the distance of points is measured, in a tree of boxes for a fast search.
 pub struct BoxTree {
-    /// Halves of each piece. Its spheres are not used.
-    tree: Tree,
-    /// Boxes of the tree's spheres, by their numbers.
-    pieces: Vec<OrientedBox>,
-    /// Boxes of the triangles.
-    single: Vec<OrientedBox>,
+    triangles: Vec<Triangle>,
+    /// Boxes by fours; the last are those of the largest pieces.
+    fours: Vec<Four>,
+    /// o
+    middle: Point,
+    /// R
+    reach_mm: f64,
+}
+
+/// Four boxes side by side. Where there are fewer, the others are infinitely far away.
+struct Four {
+    /// a: box axis, coordinate, box.
+    axes: [[[f32; 4]; 3]; 3],
+    /// a . (c - o): box axis, box.
+    places_mm: [[f32; 4]; 3],
+    /// h: box axis, box.
+    halves_mm: [[f32; 4]; 3],
+    /// What is in each box.
+    pieces: [Piece; 4],
+}
+
+/// Content of a box.
+#[derive(Clone, Copy)]
+enum Piece {
+    /// Single triangle, by its index.
+    Triangle(usize),
+    /// Four boxes, by their index.
+    Four(usize),
 }
 
 /// Box in any orientation.
-#[derive(Clone, Copy)]
 struct OrientedBox {
     /// c
     centre: Point,
@@ -36,83 +61,152 @@ struct OrientedBox {
     halves_mm: [f64; 3],
 }
 
-/// Nearest point so far.
-struct Nearest {
+/// Search for the triangle nearest to a point.
+struct Search<'t> {
+    tree: &'t BoxTree,
+    point: &'t Point,
+    /// p - o
+    off_mm: [f32; 3],
+    /// Error of boxes' distances.
+    rounding_mm: f64,
+    /// Distance of the nearest point so far, or the one within which points are looked for.
     distance_mm: f64,
+    /// Square of the bound (1) from which on no box has a nearer point.
+    limit_mm2: f32,
+    /// The nearest point so far.
     on: Option<Point>,
 }
 
 impl BoxTree {
     /// Tree of these triangles.
     pub fn new(triangles: Vec<Triangle>) -> Self {
-        let single = triangles.iter().map(|triangle| OrientedBox::about(&[triangle])).collect();
-        let mut found = BoxTree { pieces: Vec::new(), single, tree: Tree::new(triangles) };
-        if let Some(root) = found.tree.root() {
-            found.add_pieces(root, &mut Vec::new());
+        let middle = triangles.first().map_or(Point::origin(), |triangle| triangle[0]);
+        let corners = triangles.iter().flatten();
+        let reach_mm = corners.map(|corner| (corner - middle).norm()).fold(0.0, f64::max);
+        let halves = Tree::new(triangles);
+        let mut found = BoxTree { triangles: halves.triangles().to_vec(), fours: Vec::new(), middle, reach_mm };
+        if let Some(root) = halves.root() {
+            found.add_four(&halves, root, &mut Vec::new());
         }
         found
     }
 
     /// All triangles.
     pub fn triangles(&self) -> &[Triangle] {
-        self.tree.triangles()
+        &self.triangles
     }
 
     /// Nearest point of the triangles that lies nearer than `within_mm`, and its distance.
     pub fn nearest(&self, point: &Point, within_mm: f64) -> Option<(f64, Point)> {
-        let mut best = Nearest { distance_mm: within_mm, on: None };
-        if let Some(root) = self.tree.root() {
-            self.search(root, point, &mut best);
-        }
-        best.on.map(|on| (best.distance_mm, on))
+        let off = point - self.middle;
+        let rounding_mm = ROUNDING * (off.norm() + self.reach_mm);
+        let off_mm = [off.x as f32, off.y as f32, off.z as f32];
+        let mut search = Search { tree: self, point, off_mm, rounding_mm, distance_mm: 0.0, limit_mm2: 0.0, on: None };
+        search.look_within(within_mm);
+        search.four(self.fours.last()?);
+        search.on.map(|on| (search.distance_mm, on))
     }
 
-    /// Adds the boxes of a node, in the order of the spheres' numbers: halves come before their whole. Appends its triangles.
-    fn add_pieces(&mut self, node: Node, numbers: &mut Vec<usize>) {
-        let number = match node {
-            Node::Triangle(number) => return numbers.push(number),
-            Node::Sphere(number) => number,
-        };
-        let first = numbers.len();
-        for half in self.tree.sphere(number).halves {
-            self.add_pieces(half, numbers);
-        }
-        let triangles: Vec<&Triangle> = numbers[first..].iter().map(|number| &self.triangles()[*number]).collect();
-        let piece = OrientedBox::about(&triangles);
-        debug_assert_eq!(self.pieces.len(), number, "halves are numbered before their whole");
-        self.pieces.push(piece);
-    }
-
-    fn search(&self, node: Node, point: &Point, best: &mut Nearest) {
-        match node {
-            Node::Triangle(number) => {
-                let on = on_triangle(&self.triangles()[number], point);
-                let distance_mm = (on - point).norm();
-                if distance_mm < best.distance_mm {
-                    *best = Nearest { distance_mm, on: Some(on) };
+    /// Adds the boxes of the pieces of a node, below them first, and appends its triangles. Returns their index.
+    fn add_four(&mut self, halves: &Tree, node: Node, numbers: &mut Vec<usize>) -> usize {
+        let mut four = Four::EMPTY;
+        for (index, part) in quarters(halves, node).into_iter().enumerate() {
+            let first = numbers.len();
+            let piece = match part {
+                Node::Sphere(_) => Piece::Four(self.add_four(halves, part, numbers)),
+                Node::Triangle(number) => {
+                    numbers.push(number);
+                    Piece::Triangle(number)
                 }
+            };
+            let triangles: Vec<&Triangle> = numbers[first..].iter().map(|number| &self.triangles[*number]).collect();
+            four.put(index, piece, &OrientedBox::about(&triangles), &self.middle);
+        }
+        self.fours.push(four);
+        self.fours.len() - 1
+    }
+}
+
+/// Halves of the halves of a node; triangles stay whole.
+fn quarters(halves: &Tree, node: Node) -> Vec<Node> {
+    let parts = |node: Node| match node {
+        Node::Sphere(number) => halves.sphere(number).halves.to_vec(),
+        Node::Triangle(_) => vec![node],
+    };
+    parts(node).into_iter().flat_map(parts).collect()
+}
+
+impl Four {
+    /// No box.
+    const EMPTY: Four = Four {
+        axes: [[[0.0; 4]; 3]; 3],
+        places_mm: [[0.0; 4]; 3],
+        halves_mm: [[f32::NEG_INFINITY; 4]; 3],
+        pieces: [Piece::Triangle(0); 4],
+    };
+
+    /// Sets one of the boxes; places count from `middle`.
+    fn put(&mut self, index: usize, piece: Piece, found: &OrientedBox, middle: &Point) {
+        for (k, axis) in found.axes.iter().enumerate() {
+            for coordinate in 0..3 {
+                self.axes[k][coordinate][index] = axis[coordinate] as f32;
             }
-            Node::Sphere(number) => {
-                let mut halves = self.tree.sphere(number).halves.map(|half| (self.no_less_mm2(half, point), half));
-                if halves[1].0 < halves[0].0 {
-                    halves.swap(0, 1);
-                }
-                for (least_mm2, half) in halves {
-                    let limit_mm = best.distance_mm + ROUNDING_MM;
-                    if least_mm2 < limit_mm * limit_mm {
-                        self.search(half, point, best);
-                    }
-                }
+            self.places_mm[k][index] = axis.dot(&(found.centre - middle)) as f32;
+            self.halves_mm[k][index] = found.halves_mm[k] as f32;
+        }
+        self.pieces[index] = piece;
+    }
+
+    /// Squares of the lower bounds (1) for a point at `off_mm` from the middle.
+    fn no_less_mm2(&self, off_mm: [f32; 3]) -> [f32; 4] {
+        let mut squares_mm2 = [0.0; 4];
+        for k in 0..3 {
+            let [x, y, z] = &self.axes[k];
+            for index in 0..4 {
+                let along_mm = x[index] * off_mm[0] + y[index] * off_mm[1] + z[index] * off_mm[2];
+                let beyond_mm = (along_mm - self.places_mm[k][index]).abs() - self.halves_mm[k][index];
+                // Not `max`, which asks whether one of them is no number.
+                let beyond_mm = if beyond_mm > 0.0 { beyond_mm } else { 0.0 };
+                squares_mm2[index] += beyond_mm * beyond_mm;
+            }
+        }
+        squares_mm2
+    }
+}
+
+impl Search<'_> {
+    /// Looks for nearer points in four boxes, in the nearest one first.
+    fn four(&mut self, four: &Four) {
+        let mut left_mm2 = four.no_less_mm2(self.off_mm);
+        loop {
+            let nearer = |a: usize, b: usize| if left_mm2[b] < left_mm2[a] { b } else { a };
+            let nearest = nearer(nearer(0, 1), nearer(2, 3));
+            let may_be_nearer = left_mm2[nearest] < self.limit_mm2;
+            if !may_be_nearer {
+                return;
+            }
+            left_mm2[nearest] = f32::INFINITY;
+            match four.pieces[nearest] {
+                Piece::Triangle(number) => self.triangle(number),
+                Piece::Four(number) => self.four(&self.tree.fours[number]),
             }
         }
     }
 
-    /// Square of the lower bound of a node's distance (1).
-    fn no_less_mm2(&self, node: Node, point: &Point) -> f64 {
-        match node {
-            Node::Triangle(number) => self.single[number].no_less_mm2(point),
-            Node::Sphere(number) => self.pieces[number].no_less_mm2(point),
+    fn triangle(&mut self, number: usize) {
+        let on = on_triangle(&self.tree.triangles[number], self.point);
+        let distance_mm = (on - self.point).norm();
+        if distance_mm < self.distance_mm {
+            self.on = Some(on);
+            self.look_within(distance_mm);
         }
+    }
+
+    /// Only nearer points count from now on.
+    fn look_within(&mut self, distance_mm: f64) {
+        self.distance_mm = distance_mm;
+        let limit_mm = distance_mm + self.rounding_mm;
+        self.limit_mm2 = (limit_mm * limit_mm) as f32;
     }
 }
 
@@ -142,14 +236,6 @@ impl OrientedBox {
         let middle =
             [0, 1, 2].map(|k| axes[k] * f64::midpoint(ranges_mm[k][0], ranges_mm[k][1])).iter().sum::<Vector>();
         OrientedBox { centre: first + middle, axes, halves_mm: ranges_mm.map(|[low, high]| (high - low) / 2.0) }
-    }
-
-    /// Square of the lower bound of a point's distance (1).
-    fn no_less_mm2(&self, point: &Point) -> f64 {
-        let off = point - self.centre;
-        let beyond_mm = |k: usize| (self.axes[k].dot(&off).abs() - self.halves_mm[k]).max(0.0);
-        let [x, y, z] = [beyond_mm(0), beyond_mm(1), beyond_mm(2)];
-        x * x + y * y + z * z
     }
 }
 

@@ -17,7 +17,7 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 use crate::geometry::blisk::Blisk;
 use crate::geometry::face::Face;
 use crate::proof::bodies;
-use crate::search::{Minimum, descend};
+use crate::search::{Minimum, Sample, Steps, crossing, descend_to};
 use crate::vector::{Point, Vector};
 
 use super::distance::BoxTree;
@@ -38,8 +38,6 @@ const FLAT_MM: f64 = 1e-3;
 const SAME_POINT_MM: f64 = 1e-9;
 /// Pieces of a side, in both directions, whose corners are the blade's points from which a search starts.
 const SHEET: u32 = 40;
-/// Most steps of one search.
-const STEPS_MAX: usize = 2000;
 
 /// Blades of a rotor, prepared for measuring distances from them and for following the walls of a passage.
 pub struct Field {
@@ -234,19 +232,17 @@ impl Wall<'_> {
         let value = |[angle_rad, _]: [f64; 2]| self.beyond_mm(radius_mm, angle_rad);
         let start = Minimum { at: [near_rad, 0.0], value: value([near_rad, 0.0]) };
         let ranges = [[near_rad - self.field.pitch_rad, near_rad + self.field.pitch_rad], [0.0; 2]];
-        let found = descend(ranges, start, [FIRST_STEP_MM / radius_mm, 0.0], value).at[0];
+        let steps = Steps { first: [FIRST_STEP_MM / radius_mm, 0.0], finest: FLAT_MM / FIRST_STEP_MM / 4.0 };
+        let found = descend_to(ranges, start, steps, value).at[0];
         // The least distance is flat; the way to the blade's nearest point is square to the circle at one angle.
-        let ahead_mm = |angle_rad: f64| {
+        let behind_mm = |along_mm: f64| {
+            let angle_rad = found + along_mm / radius_mm;
             self.beyond_mm(radius_mm, angle_rad);
             let ((sin, cos), on) = (libm::sincos(angle_rad - self.turn_rad), self.last.get());
-            on.y * cos - on.x * sin
+            on.x * sin - on.y * cos
         };
-        let (mut low, mut high) = (found - FLAT_MM / radius_mm, found + FLAT_MM / radius_mm);
-        while (high - low) * radius_mm > PRECISION_MM {
-            let middle = f64::midpoint(low, high);
-            if ahead_mm(middle) > 0.0 { low = middle } else { high = middle }
-        }
-        high
+        let [before, after] = [-FLAT_MM, FLAT_MM].map(|at| Sample { at, value: behind_mm(at) });
+        found + crossing(before, after, PRECISION_MM, behind_mm) / radius_mm
     }
 
     /// Wall at a radius, from the blade's point nearest to the plane there; `None` if the blade does not come near.
@@ -257,45 +253,29 @@ impl Wall<'_> {
 
     /// Angle of the wall at a radius, from a place near it. `None` if there is no material at this radius.
     fn edge(&self, radius_mm: f64, near_rad: f64) -> Option<f64> {
-        let start_mm = self.beyond_mm(radius_mm, near_rad);
-        // The distance changes by no more than the way.
-        let is_behind = start_mm < 0.0;
-        let towards = if is_behind { self.sign() } else { -self.sign() };
-        let (mut last, mut here) = ((near_rad, start_mm), (near_rad, start_mm));
-        for _ in 0..STEPS_MAX {
-            if (here.1 < 0.0) != is_behind {
-                let [behind, beyond] = if is_behind { [last, here] } else { [here, last] };
-                return Some(self.refined(radius_mm, behind, beyond));
-            }
-            let stride_rad = (here.1.abs() + STRIDE_MM) / radius_mm;
-            last = here;
-            here.0 += towards * stride_rad;
-            if (here.0 - near_rad).abs() > self.field.pitch_rad {
-                return None;
-            }
-            here.1 = self.beyond_mm(radius_mm, here.0);
-        }
-        None
+        let beyond_mm = |along_mm: f64| self.beyond_mm(radius_mm, near_rad + along_mm / radius_mm);
+        let edge_mm = wall_mm(beyond_mm, 0.0, self.sign(), self.field.pitch_rad * radius_mm)?;
+        Some(near_rad + edge_mm / radius_mm)
     }
+}
 
-    /// Place beyond the wall within the precision, by regula falsi (Illinois) between a place behind and one beyond.
-    fn refined(&self, radius_mm: f64, mut behind: (f64, f64), mut beyond: (f64, f64)) -> f64 {
-        let (mut weight_behind, mut weight_beyond) = (1.0, 1.0);
-        for _ in 0..60 {
-            if (beyond.0 - behind.0).abs() * radius_mm < PRECISION_MM || beyond.1 < PRECISION_MM {
-                break;
-            }
-            let (low, high) = (behind.1 * weight_behind, beyond.1 * weight_beyond);
-            let middle = beyond.0 - (beyond.0 - behind.0) * high / (high - low);
-            let value_mm = self.beyond_mm(radius_mm, middle);
-            if value_mm < 0.0 {
-                behind = (middle, value_mm);
-                (weight_behind, weight_beyond) = (1.0, weight_beyond / 2.0);
-            } else {
-                beyond = (middle, value_mm);
-                (weight_behind, weight_beyond) = (weight_behind / 2.0, 1.0);
-            }
+/// Place of a wall on a line or an arc, from a place `near_mm` on it: on the wall, or beyond it within the precision. The function gives the distance beyond
+/// the wall, and `ahead` is 1 where places beyond it are greater ones, -1 where they are less. `None` if there is no wall within reach.
+pub fn wall_mm(beyond_mm: impl Fn(f64) -> f64, near_mm: f64, ahead: f64, reach_mm: f64) -> Option<f64> {
+    let sample = |at: f64| Sample { at, value: beyond_mm(at) };
+    let mut here = sample(near_mm);
+    let (mut last, is_behind) = (here, here.value < 0.0);
+    let towards = if is_behind { ahead } else { -ahead };
+    while (here.value < 0.0) == is_behind {
+        last = here;
+        // The distance changes by no more than the way.
+        let next_mm = here.at + towards * (here.value.abs() + STRIDE_MM);
+        let is_within = (next_mm - near_mm).abs() <= reach_mm;
+        if !is_within {
+            return None;
         }
-        beyond.0
+        here = sample(next_mm);
     }
+    let [behind, beyond] = if is_behind { [last, here] } else { [here, last] };
+    Some(crossing(behind, beyond, PRECISION_MM, beyond_mm))
 }

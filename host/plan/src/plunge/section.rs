@@ -18,17 +18,13 @@ use crate::geometry::blisk::Blisk;
 use crate::vector::{Flat, Point, Vector};
 
 use super::boundary::{Boundary, clear_of_curve, touching};
-use super::field::{Field, WallSide};
+use super::field::{WallSide, wall_mm};
 use super::infeasibility::PlungeInfeasible;
 use super::line::{CurveSample, tangent_line};
 use super::passage::Passage;
 
 /// Distance of neighbouring samples of a wall, mm.
 const SPACING_MM: f64 = 0.3;
-/// Least step in search of a wall, mm: thinner material would be missed.
-const STRIDE_MM: f64 = 0.02;
-/// Precision of a wall, mm.
-const PRECISION_MM: f64 = 1e-5;
 /// Pieces of the middle surface in both directions.
 const PIECES: u32 = 40;
 
@@ -169,6 +165,7 @@ pub fn boundary(
     let count = libm::ceil((end_mm - floor_mm) / SPACING_MM).max(2.0) as usize;
     let along_mm: Vec<f64> =
         (0..=count).map(|index| floor_mm + (end_mm - floor_mm) * index as f64 / count as f64).collect();
+    let reach_mm = field.radii_mm[1] * field.pitch_rad;
     let walls = [(WallSide::Left, 1.0), (WallSide::Right, -1.0)].map(|(side, sign)| {
         let sample = |along_mm: f64| {
             let near_mm = midway.across_mm(plane, along_mm);
@@ -178,7 +175,7 @@ pub fn boundary(
                 last.set(Some(on));
                 found_mm - distance_mm
             };
-            let height_mm = sign * edge_mm_of(beyond_mm, near_mm, sign, field)?;
+            let height_mm = sign * wall_mm(beyond_mm, near_mm, sign, reach_mm)?;
             Some(CurveSample { along_mm, height_mm, is_counted: along_mm <= edge_mm })
         };
         along_mm.clone().into_par_iter().filter_map(sample).collect::<Vec<_>>()
@@ -189,28 +186,4 @@ pub fn boundary(
         |along_mm: f64| [Flat::new(lines[0].at_mm(along_mm), along_mm), Flat::new(-lines[1].at_mm(along_mm), along_mm)];
     let touching = touching(&lines, &walls);
     Some(Boundary { middle_rad, lines, roof: at(roof_mm), floor: at(floor_mm), touching })
-}
-
-/// Place of a wall from a place between both blades. `None` if there is no material: the search ends half a pitch away.
-fn edge_mm_of(beyond_mm: impl Fn(f64) -> f64, near_mm: f64, sign: f64, field: &Field) -> Option<f64> {
-    let reach_mm = field.radii_mm[1] * field.pitch_rad;
-    let (mut last_mm, mut here_mm, start_mm) = (near_mm, near_mm, beyond_mm(near_mm));
-    let is_behind = start_mm < 0.0;
-    let towards = if is_behind { sign } else { -sign };
-    let mut value_mm = start_mm;
-    while (value_mm < 0.0) == is_behind {
-        // The distance changes by no more than the way.
-        last_mm = here_mm;
-        here_mm += towards * (value_mm.abs() + STRIDE_MM);
-        if (here_mm - near_mm).abs() > reach_mm {
-            return None;
-        }
-        value_mm = beyond_mm(here_mm);
-    }
-    let [mut behind_mm, mut open_mm] = if is_behind { [last_mm, here_mm] } else { [here_mm, last_mm] };
-    while (open_mm - behind_mm).abs() > PRECISION_MM {
-        let middle_mm = f64::midpoint(behind_mm, open_mm);
-        if beyond_mm(middle_mm) < 0.0 { behind_mm = middle_mm } else { open_mm = middle_mm }
-    }
-    Some(open_mm)
 }
