@@ -19,6 +19,8 @@
 //!
 //! Source: docs/safety-case.md#transitions.
 
+use core::cell::Cell;
+
 use arcfeed_model::job::OverrideLimits;
 use arcfeed_units::fmath;
 use arcfeed_units::{MmPerMin, PERCENT, RevPerMin, S_PER_MIN};
@@ -119,9 +121,11 @@ impl Envelope {
             behind = fmath::sqrt(behind * behind + fall_per_mm * length_mm / CELLS as f32);
         } // (1)
         let reach = 2 + fmath::min(response_mm * cells_per_mm, CELLS as f32) as usize;
-        for (at, border) in borders.iter_mut().enumerate() {
-            let within_reach = ratios.get(at.saturating_sub(1)..=(at + reach).min(CELLS)).unwrap_or_default();
-            *border = border.with_ratio(within_reach.iter().copied().fold(RATIO_MAX, fmath::min));
+        lower_to_least(&mut ratios, reach + 1);
+        let mut before = f32::INFINITY;
+        for (border, ratio) in borders.iter_mut().zip(ratios) {
+            *border = border.with_ratio(fmath::min(fmath::min(before, ratio), RATIO_MAX));
+            before = ratio;
         } // (2)
         let spindle = if keeps_feed_behind && is_refused { constant.spindle } else { sent.spindle };
         let parts_per_mm = cells_per_mm * PARTS as f32;
@@ -174,6 +178,20 @@ impl Envelope {
     pub fn spindle_share(&self, measured: RevPerMin) -> f32 {
         let is_slower = fmath::is_positive(measured.0) && measured.0 < self.spindle.0;
         if is_slower { measured.0 / self.spindle.0 } else { 1.0 }
+    }
+}
+
+/// Lowers each ratio to the least of as many that begin with it.
+fn lower_to_least(ratios: &mut [f32], count: usize) {
+    let ratios = Cell::from_mut(ratios).as_slice_of_cells();
+    let mut covered = 1;
+    while covered < count {
+        // Each is the least of `covered`, and so is the one that begins where they end.
+        let step = covered.min(count - covered);
+        for (ratio, ahead) in ratios.iter().zip(ratios.iter().skip(step)) {
+            ratio.set(fmath::min(ratio.get(), ahead.get()));
+        }
+        covered += step;
     }
 }
 

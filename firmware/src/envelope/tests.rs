@@ -164,3 +164,16 @@ fn without_a_law_only_a_lower_start_of_the_next_move_bounds_it() {
     assert_eq!((envelope(80).at(0.0).0, envelope(80).at(10.0).0), (1.0, 0.8));
     assert_eq!(Envelope::constant(80).at(0.0).0, 0.8);
 }
+
+#[test]
+fn each_ratio_becomes_the_least_of_those_that_begin_with_it() {
+    let ratios: Vec<f32> = (0..40_u16).map(|k| f32::from(k * 37 % 41)).collect();
+    for count in 1..=50 {
+        let mut lowered = ratios.clone();
+        lower_to_least(&mut lowered, count);
+        for (at, least) in lowered.iter().enumerate() {
+            let truth = ratios[at..].iter().take(count).copied().fold(f32::INFINITY, f32::min);
+            assert_eq!(*least, truth, "{count} from {at}");
+        }
+    }
+}
