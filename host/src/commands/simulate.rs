@@ -164,7 +164,7 @@ impl Simulate {
         // Tables of a trace are written for each run.
         let mut runs = BothRuns::new((&file, setup.as_ref()), &program, (&adapted, &sent), !traces.is_empty())?;
         if self.report.is_some() {
-            runs.record_stock();
+            runs.record_for_viewer(file.machine.as_ref().map(|named| named.machine));
         }
         // The runs need the text alone.
         adapted.blocks = Vec::new();
@@ -360,8 +360,8 @@ fn unadapted(file: &JobFile, program: &Program, foreseen: Vec<PlannedConditions>
     Ok(simulation)
 }
 
-/// Runs the original program, without arcfeed, and adds its results to `report` for comparison; `foreseen` is the
-/// result of [`foreseen_before`].
+/// Runs the original program, without arcfeed, under this observer, and adds its results to `report` for comparison; `foreseen` is
+/// the result of [`foreseen_before`].
 ///
 /// # Errors
 /// The run does not end.
@@ -370,11 +370,12 @@ pub fn add_baseline(
     file: &JobFile,
     program: &Program,
     foreseen: &[PlannedConditions],
-) -> Result<(Simulation, RunObserver), Failure> {
+    observer: &mut RunObserver,
+) -> Result<Simulation, Failure> {
     let mut simulation = unadapted(file, program, foreseen.to_vec())?;
-    let observer = observe(&mut simulation)?;
+    observer.run(&mut simulation)?;
     compare(report, measure(&simulation, &file.job));
-    Ok((simulation, observer))
+    Ok(simulation)
 }
 
 /// Runs a program from the control's memory to its end, with this fault injected into the controller.
@@ -383,11 +384,5 @@ pub fn add_baseline(
 /// The run does not end.
 pub fn run_in_memory(file: &JobFile, program: &[u8], fault: ControllerFault) -> Result<Simulation, Failure> {
     let mut simulation = in_memory(file, program, fault)?;
-    observe(&mut simulation).map(|_| simulation)
-}
-
-fn observe(simulation: &mut Simulation) -> Result<RunObserver, Failure> {
-    let mut observer = RunObserver::default();
-    observer.run(simulation)?;
-    Ok(observer)
+    RunObserver::default().run(&mut simulation).map(|()| simulation)
 }

@@ -2,6 +2,7 @@
 
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::simulation::Simulation;
+use arcfeed_kinematics::machine::Machine;
 use arcfeed_model::job::LawKind;
 
 use super::conditions::{foreseen, foreseen_before};
@@ -67,19 +68,17 @@ impl BothRuns {
         let [of_after, of_before] = [foreseen, foreseen_before].map(|of| of(program, adapted, file));
         let is_governed = file.job.tools.iter().any(|tool| tool.law != LawKind::Programmed);
         let may_differ = has_tables || is_governed || sent.text != program.file() || of_after != of_before;
-        let observed = |simulation: Simulation, shows: bool| {
-            let mut observer = RunObserver::on(setup, shows);
-            observer.trace.follow(file.machine.as_ref().map(|named| named.machine));
-            ObservedRun { simulation, observer }
-        };
+        let observed =
+            |simulation: Simulation, shows: bool| ObservedRun { simulation, observer: RunObserver::on(setup, shows) };
         let mut after = in_memory(file, &sent.text, ControllerFault::None)?;
         after.set_planned_conditions(of_after);
         let before = may_differ.then(|| unadapted(file, program, of_before)).transpose()?;
         Ok(BothRuns { after: observed(after, true), before: before.map(|before| observed(before, false)) })
     }
 
-    /// Lets the run of the adapted program record its stock, for the viewer.
-    pub fn record_stock(&mut self) {
+    /// Lets the runs record what the viewer shows: their paths, and the stock of the adapted program.
+    pub fn record_for_viewer(&mut self, machine: Option<Machine>) {
+        self.observers_mut().for_each(|observer| observer.record_path(machine));
         self.after.observer.record_stock();
     }
 

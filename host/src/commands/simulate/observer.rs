@@ -9,6 +9,7 @@ use arcfeed_hil_sim::removal::cutter::StockCutter;
 use arcfeed_hil_sim::removal::loads::LoadMeter;
 use arcfeed_hil_sim::simulated_machine::SimulatedMachine;
 use arcfeed_hil_sim::simulation::Simulation;
+use arcfeed_kinematics::machine::Machine;
 use arcfeed_units::Micros;
 
 use super::super::outcome::{Failure, on_interrupt};
@@ -35,8 +36,8 @@ pub struct RunObserver {
     pub loads: Option<LoadMeter>,
     /// Moves of the run, with feed and chip load over time.
     pub log: MoveLog,
-    /// Path of the tool with feed, chip load and override along it.
-    pub trace: PathTrace,
+    /// Path of the tool with feed, chip load and override along it; `None` unless [`RunObserver::record_path`] was called.
+    pub path: Option<PathTrace>,
     /// Stock at many times of the run; `None` unless [`RunObserver::record_stock`] was called.
     pub stock: Option<StockFrames>,
     /// Tables of `--trace`.
@@ -52,6 +53,11 @@ impl RunObserver {
         let place = setup.map_or(String::new(), |setup| setup.place.clone());
         let loads = setup.and_then(Setup::load_meter);
         RunObserver { cutter: setup.map(Setup::cutter), loads, place, shows, ..RunObserver::default() }
+    }
+
+    /// Lets the observer record the tool's path, for the viewer or the live page; with a machine on its part.
+    pub fn record_path(&mut self, machine: Option<Machine>) {
+        self.path.get_or_insert_default().follow(machine);
     }
 
     /// Lets the observer record the stock at many times of the run, for the viewer.
@@ -94,7 +100,7 @@ impl RunObserver {
             self.stock.iter_mut().for_each(|stock| stock.end(simulation.now(), cutter));
         }
         self.loads.iter_mut().for_each(LoadMeter::end);
-        self.trace.end();
+        self.path.iter_mut().for_each(PathTrace::end);
         self.finish_tables(simulation)
     }
 
@@ -131,7 +137,7 @@ impl RunObserver {
     /// Records the millisecond that the simulation has just executed, without cutting the stock.
     pub fn record(&mut self, simulation: &SimulatedMachine) {
         self.log.observe(simulation);
-        self.trace.observe(simulation);
+        self.path.iter_mut().for_each(|path| path.observe(simulation));
         if let Some(tables) = &mut self.tables {
             tables.observe(simulation, self.loads.as_mut());
         }

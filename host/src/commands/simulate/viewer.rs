@@ -2,7 +2,7 @@
 //! NC text.
 
 use arcfeed_dexel::tool::Tool;
-use arcfeed_hil_sim::path_trace::TracePoint;
+use arcfeed_hil_sim::path_trace::{PathTrace, TracePoint};
 use arcfeed_hil_sim::removal::cutter::StockCutter;
 use arcfeed_hil_sim::removal::placement::UP;
 use arcfeed_hil_sim::removal::rate::windows;
@@ -106,7 +106,7 @@ pub fn path_columns(job: &Job, points: &[TracePoint], lines: &[Option<usize>]) -
 }
 
 fn run(job: &Job, name: &'static str, observer: &RunObserver, lines: &[Option<usize>]) -> RunPath {
-    let points = observer.trace.points();
+    let points = observer.path.as_ref().map_or(&[][..], PathTrace::points);
     let (unit, mut columns) = (job.unit, path_columns(job, points, lines));
     let mut add = |name, unit, quantum, windows: Vec<Window>| {
         columns.push(Column::new(ColumnHead { name, unit, quantum }, largest(points, &windows)));

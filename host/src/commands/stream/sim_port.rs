@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::override_source::OverrideSource;
 use arcfeed_hil_sim::override_source::controller::InProcessController;
+use arcfeed_hil_sim::path_trace::PathTrace;
 use arcfeed_hil_sim::simulation::Simulation;
 use arcfeed_units::{Micros, Nm, S_PER_MIN};
 
@@ -69,7 +70,7 @@ impl<D: OverrideSource> SimPort<D> {
     /// Removes the observer, with what it has recorded; `None` if there is none.
     pub fn take_observer(&mut self) -> Option<RunObserver> {
         let mut observer = self.observer.take()?;
-        observer.trace.end();
+        observer.path.iter_mut().for_each(PathTrace::end);
         Some(observer)
     }
 
@@ -169,7 +170,7 @@ impl<D: OverrideSource> Port for SimPort<D> {
         let control = self.simulation.control();
         let origin = self.simulation.context().origin.linear.map(Nm::to_mm);
         let [x, y, z, ..] = control.actual_axes();
-        let last = self.observer.as_ref().and_then(|observer| observer.trace.on_part());
+        let last = self.observer.as_ref().and_then(|observer| observer.path.as_ref()?.on_part());
         let on_part = last.map(|last| ToolOnPart { tip_mm: last.position_mm, axis: last.axis });
         let alarm = control.alarm().map(|alarm| AlarmFigures::new(alarm.line, alarm.fault.column, alarm.fault.cause));
         Machine {

@@ -40,6 +40,7 @@ use crate::board::line::{BAUDRATE, BoardLine};
 use crate::dnc::outbox::Outbox;
 use crate::dnc::reports;
 use crate::dnc::{Sender, State};
+use crate::job::JobFile;
 use crate::port::open::wrap;
 use crate::port::url::{Base, PortUrl};
 use crate::report::figures::ReportFigures;
@@ -121,7 +122,6 @@ impl Stream {
     ) -> Result<(), Failure> {
         let (file, started) = (&ready.file, Instant::now());
         let outbox = Outbox::new(file.serial.write_timeout());
-        // The live page shows the tool on the part, which the observer follows.
         let is_shown = self.report.is_some() || self.web.is_some();
         if is_shown || self.trace.is_some() || !self.assertions.is_empty() {
             sim.borrow_mut().observe(self.observer(ready)?);
@@ -154,8 +154,9 @@ impl Stream {
         let traced = observer.as_mut().map_or(Ok(()), |observer| observer.finish_tables(simulation));
         let written =
             self.executed.as_ref().map_or(Ok(()), |path| write_executed(path, simulation.control().executed()));
+        let mut before = observer_of(file, self.report.is_some());
         let compared =
-            add_baseline(&mut report, file, &ready.program, &ready.foreseen_before).and_then(|(baseline, before)| {
+            add_baseline(&mut report, file, &ready.program, &ready.foreseen_before, &mut before).and_then(|baseline| {
                 let shown = self.report.as_ref().zip(observer);
                 shown.map_or(Ok(()), |(path, after)| {
                     run_page::write(path, ready, &report, (&after, simulation), (&before, &baseline))
@@ -177,8 +178,8 @@ impl Stream {
 
     /// Observer of the run, with the tables of `--trace`.
     fn observer(&self, ready: &PreparedProgram) -> Result<RunObserver, Failure> {
-        let mut observer = RunObserver::default();
-        observer.trace.follow(ready.file.machine.as_ref().map(|named| named.machine));
+        // The live page shows the tool on the part, which the path follows.
+        let mut observer = observer_of(&ready.file, self.report.is_some() || self.web.is_some());
         if let Some(path) = &self.trace {
             let PreparedProgram { file, program, .. } = ready;
             let adapted = adapt_with(program, &file.job, Known::of(file));
@@ -192,4 +193,13 @@ impl Stream {
     fn tempo(&self) -> Option<u32> {
         self.speed.or((self.tui || self.web.is_some()).then_some(1))
     }
+}
+
+/// Observer of a run; `has_page` says whether a page shows its path.
+fn observer_of(file: &JobFile, has_page: bool) -> RunObserver {
+    let mut observer = RunObserver::default();
+    if has_page {
+        observer.record_path(file.machine.as_ref().map(|named| named.machine));
+    }
+    observer
 }
