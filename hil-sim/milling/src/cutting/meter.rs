@@ -60,6 +60,8 @@ pub struct ChipMeter {
     /// Time of one tooth, in microseconds.
     tooth_us: f64,
     history: VecDeque<Measured>,
+    /// Last sample that was not steady.
+    unsteady: Option<Micros>,
     block: Option<u32>,
     cut: Option<MeasuredMove>,
     moves: Vec<MoveChips>,
@@ -72,7 +74,6 @@ pub struct ChipMeter {
 struct Measured {
     at: Micros,
     position_mm: Vector2<f64>,
-    steady: bool,
     /// Time of the tooth that begins here.
     tooth_us: f64,
 }
@@ -85,6 +86,7 @@ impl ChipMeter {
             teeth,
             tooth_us: tooth_us(teeth, setup.spindle),
             history: VecDeque::new(),
+            unsteady: None,
             block: None,
             cut: None,
             moves: Vec::new(),
@@ -180,12 +182,15 @@ impl ChipMeter {
         let at = sample.at;
         let position_mm = cut.in_plane(&sample.position);
         // The first sample of a block has no speed yet.
-        let steady = self.history.back().is_some_and(|last| {
+        let is_steady = self.history.back().is_some_and(|last| {
             let speed = (position_mm - last.position_mm).norm() / at.since(last.at).to_s() * S_PER_MIN;
             let commanded = f64::from(sample.commanded.0);
             libm::fabs(speed - commanded) <= STEADY_RATIO * commanded
         });
-        self.history.push_back(Measured { at, position_mm, steady, tooth_us: self.tooth_us });
+        if !is_steady {
+            self.unsteady = Some(at);
+        }
+        self.history.push_back(Measured { at, position_mm, tooth_us: self.tooth_us });
         while let Some(first) = self.history.front().copied() {
             if (at.since(first.at).0 as f64) < first.tooth_us {
                 break;
@@ -206,7 +211,7 @@ impl ChipMeter {
             self.last_ratio = Some(ratio);
         }
         // The speed at the oldest sample itself is that of the step before the tooth.
-        let is_steady = self.history.iter().skip(1).all(|measured| measured.steady);
+        let is_steady = self.unsteady.is_none_or(|at| at <= first.at);
         self.latest = contact.map(|chip_ratio| MeasuredChip { chip_ratio, is_steady });
         if !is_steady {
             chips.left_out.not_steady += 1;
@@ -228,7 +233,7 @@ impl ChipMeter {
     /// gives the same figures whenever it starts.
     fn position_after_tooth(&self, first: Measured) -> Option<Vector2<f64>> {
         let since_us = |measured: &Measured| measured.at.since(first.at).0 as f64;
-        let after = self.history.iter().position(|measured| since_us(measured) >= first.tooth_us)?;
+        let after = self.history.partition_point(|measured| since_us(measured) < first.tooth_us);
         let (a, b) = (self.history.get(after.checked_sub(1)?)?, self.history.get(after)?);
         let ratio = (first.tooth_us - since_us(a)) / (since_us(b) - since_us(a));
         Some(a.position_mm + (b.position_mm - a.position_mm) * ratio)
