@@ -76,9 +76,9 @@ impl BothRuns {
         Ok(BothRuns { after: observed(after, true), before: before.map(|before| observed(before, false)) })
     }
 
-    /// Lets the runs record what the viewer shows: their paths, and the stock of the adapted program.
-    pub fn record_for_viewer(&mut self, machine: Option<Machine>) {
-        self.observers_mut().for_each(|observer| observer.record_path(machine));
+    /// Lets the runs record what a report shows, of the adapted program with its stock.
+    pub fn record_for_page(&mut self, machine: Option<Machine>) {
+        self.observers_mut().for_each(|observer| observer.record_for_page(machine));
         self.after.observer.record_stock();
     }
 

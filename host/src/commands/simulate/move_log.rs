@@ -21,6 +21,8 @@ const GAP_RATIO: u64 = 4_096;
 pub struct MoveLog {
     /// Moves in order of execution.
     pub moves: Vec<LoggedMove>,
+    /// Whether a page shows the log: what follows is recorded then.
+    pub is_shown: bool,
     /// The first [`DRAWN_MAX`] moves and one more, as they are drawn.
     pub drawn: Vec<DrawnMove>,
     /// Feed along the path over time, mm/min; rapids left out.
@@ -69,7 +71,9 @@ impl MoveLog {
     /// Records the millisecond that the simulation has just executed.
     pub fn observe(&mut self, simulation: &SimulatedMachine) {
         let (now, control) = (simulation.now(), simulation.control());
-        self.overrides.add(now, f64::from(control.override_percent()));
+        if self.is_shown {
+            self.overrides.add(now, f64::from(control.override_percent()));
+        }
         let Some((block, segment)) = control.active().map(|(count, _)| count).zip(simulation.segment()) else { return };
         if control.moves_begun() != self.moves_begun {
             self.moves_begun = control.moves_begun();
@@ -83,13 +87,16 @@ impl MoveLog {
                 began: now,
                 feed_max_mm_per_min: 0.0,
             });
-            if self.drawn.len() <= DRAWN_MAX {
+            if self.is_shown && self.drawn.len() <= DRAWN_MAX {
                 self.drawn.push(DrawnMove { block, segment: *segment, is_governed });
             }
         }
         let Some(last) = self.moves.last_mut().filter(|last| !last.is_rapid) else { return };
         let feed_mm_per_min = control.speed_mm_per_s() * S_PER_MIN;
         last.feed_max_mm_per_min = last.feed_max_mm_per_min.max(feed_mm_per_min);
+        if !self.is_shown {
+            return;
+        }
         self.feeds.add(now, feed_mm_per_min);
         if let Some(ratio) = simulation.meter().last_ratio() {
             self.chips.add(now, ratio);

@@ -36,7 +36,7 @@ pub struct RunObserver {
     pub loads: Option<LoadMeter>,
     /// Moves of the run, with feed and chip load over time.
     pub log: MoveLog,
-    /// Path of the tool with feed, chip load and override along it; `None` unless [`RunObserver::record_path`] was called.
+    /// Path of the tool with feed, chip load and override along it; `None` unless [`RunObserver::record_for_page`] was called.
     pub path: Option<PathTrace>,
     /// Stock at many times of the run; `None` unless [`RunObserver::record_stock`] was called.
     pub stock: Option<StockFrames>,
@@ -55,8 +55,9 @@ impl RunObserver {
         RunObserver { cutter: setup.map(Setup::cutter), loads, place, shows, ..RunObserver::default() }
     }
 
-    /// Lets the observer record the tool's path, for the viewer or the live page; with a machine on its part.
-    pub fn record_path(&mut self, machine: Option<Machine>) {
+    /// Lets the observer record what a report or the live page shows: curves, and the tool's path, with a machine on its part.
+    pub fn record_for_page(&mut self, machine: Option<Machine>) {
+        self.log.is_shown = true;
         self.path.get_or_insert_default().follow(machine);
     }
 

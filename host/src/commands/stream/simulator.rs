@@ -178,7 +178,6 @@ impl Stream {
 
     /// Observer of the run, with the tables of `--trace`.
     fn observer(&self, ready: &PreparedProgram) -> Result<RunObserver, Failure> {
-        // The live page shows the tool on the part, which the path follows.
         let mut observer = observer_of(&ready.file, self.report.is_some() || self.web.is_some());
         if let Some(path) = &self.trace {
             let PreparedProgram { file, program, .. } = ready;
@@ -195,11 +194,11 @@ impl Stream {
     }
 }
 
-/// Observer of a run; `has_page` says whether a page shows its path.
+/// Observer of a run; `has_page` says whether a page shows it.
 fn observer_of(file: &JobFile, has_page: bool) -> RunObserver {
     let mut observer = RunObserver::default();
     if has_page {
-        observer.record_path(file.machine.as_ref().map(|named| named.machine));
+        observer.record_for_page(file.machine.as_ref().map(|named| named.machine));
     }
     observer
 }
