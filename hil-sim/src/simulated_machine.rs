@@ -78,19 +78,22 @@ impl SimulatedMachine {
         self.now = self.now.after(STEP);
         let before = self.control.moves_begun();
         self.control.step(self.now, STEP, self.output.percent);
-        let active = self.control.active().map(|(count, segment)| (count, *segment));
-        self.context = self.control.context().copied().unwrap_or(self.context);
-        if let Some((count, segment)) = active.filter(|_| self.control.moves_begun() != before) {
-            self.begin(count, &segment.shifted(Pose::ORIGIN.minus(self.context.origin)), source);
+        if let Some(context) = self.control.context() {
+            self.context = *context;
         }
-        if active.is_none() {
-            source.begin(None);
+        match self.control.active() {
+            Some((count, segment)) if self.control.moves_begun() != before => {
+                let segment = segment.shifted(Pose::ORIGIN.minus(self.context.origin));
+                self.begin(count, &segment, source);
+            }
+            Some(_) => {}
+            None => source.begin(None),
         }
         let mut sample = machine::sample(&self.control, self.now);
         sample.position = sample.position.minus(self.context.origin);
         self.measure(&sample);
         self.record_override(sample.block, sample.override_percent);
-        self.output = source.decide(&self.shown(&sample.position, active.is_some()));
+        self.output = source.decide(&self.shown(&sample.position, self.control.active().is_some()));
         self.decision = source.decision();
     }
 
