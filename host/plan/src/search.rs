@@ -81,9 +81,9 @@ pub fn descend_to(ranges: [[f64; 2]; 2], start: Minimum, steps: Steps, f: impl F
     best
 }
 
-/// Zero of a function between a place where it is negative and one where it is not: a place where it is not negative, but below `precision`, or
-/// where it is not negative and is within `precision` of that. Regula falsi with halved ends (Illinois) towards half the precision; where two steps do not
-/// halve the range, as at a jump, it is halved in the middle.
+/// Zero of a function between `below`, where it is negative, and `above`, where it is not. At the place found the function is not negative, and either its
+/// value is less than `precision`, or it is negative somewhere nearer than `precision`. Regula falsi with halved ends (Illinois) towards half the precision;
+/// where two steps do not halve the range, as at a jump, its middle is next.
 ///
 /// Source: Dowell, Jarratt, A modified regula falsi method for computing the root of an equation, BIT 11 (1971).
 pub fn crossing(mut below: Sample, mut above: Sample, precision: f64, f: impl Fn(f64) -> f64) -> f64 {

@@ -8,9 +8,9 @@
 //! corners across that. A piece of a smooth surface is flat, and on a blade often long and narrow: beside the nearest point spheres and discs about such pieces
 //! come nearer than the surface, boxes do not. Our own.
 //!
-//! Boxes only decide which triangles are measured: single precision is enough for them, and four are compared at once. The bound (1) is computed from
-//! a_k . (c - o), the place of the box from the middle o of all triangles, which reach to R. With u = 2^-24 each a_k . (p - o) - a_k . (c - o) is wrong by less than
-//! 7 u |p - o| + 5 u R, and (1), with its squares and their sum, by less than 17 u (|p - o| + R).
+//! Boxes only decide which triangles are measured: single precision is enough for them, and four are compared at once. All places count from o, a corner of the
+//! triangles, from which they reach to R. With u = 2^-24 each |a_k . (p - o) - a_k . (c - o)| - h_k is wrong by less than 8 u (|p - o| + R), and (1), with its
+//! squares and their sum, by less than 17 u (|p - o| + R).
 
 use crate::geometry::mesh::Triangle;
 use crate::proof::spheres::{Node, Tree};
@@ -25,7 +25,7 @@ pub struct BoxTree {
     /// Boxes by fours; the last are those of the largest pieces.
     fours: Vec<Four>,
     /// o
-    middle: Point,
+    origin: Point,
     /// R
     reach_mm: f64,
 }
@@ -38,7 +38,7 @@ struct Four {
     places_mm: [[f32; 4]; 3],
     /// h: box axis, box.
     halves_mm: [[f32; 4]; 3],
-    /// What is in each box.
+    /// Content of each box.
     pieces: [Piece; 4],
 }
 
@@ -80,11 +80,11 @@ struct Search<'t> {
 impl BoxTree {
     /// Tree of these triangles.
     pub fn new(triangles: Vec<Triangle>) -> Self {
-        let middle = triangles.first().map_or(Point::origin(), |triangle| triangle[0]);
+        let origin = triangles.first().map_or(Point::origin(), |triangle| triangle[0]);
         let corners = triangles.iter().flatten();
-        let reach_mm = corners.map(|corner| (corner - middle).norm()).fold(0.0, f64::max);
+        let reach_mm = corners.map(|corner| (corner - origin).norm()).fold(0.0, f64::max);
         let halves = Tree::new(triangles);
-        let mut found = BoxTree { triangles: halves.triangles().to_vec(), fours: Vec::new(), middle, reach_mm };
+        let mut found = BoxTree { triangles: halves.triangles().to_vec(), fours: Vec::new(), origin, reach_mm };
         if let Some(root) = halves.root() {
             found.add_four(&halves, root, &mut Vec::new());
         }
@@ -98,7 +98,7 @@ impl BoxTree {
 
     /// Nearest point of the triangles that lies nearer than `within_mm`, and its distance.
     pub fn nearest(&self, point: &Point, within_mm: f64) -> Option<(f64, Point)> {
-        let off = point - self.middle;
+        let off = point - self.origin;
         let rounding_mm = ROUNDING * (off.norm() + self.reach_mm);
         let off_mm = [off.x as f32, off.y as f32, off.z as f32];
         let mut search = Search { tree: self, point, off_mm, rounding_mm, distance_mm: 0.0, limit_mm2: 0.0, on: None };
@@ -120,7 +120,7 @@ impl BoxTree {
                 }
             };
             let triangles: Vec<&Triangle> = numbers[first..].iter().map(|number| &self.triangles[*number]).collect();
-            four.put(index, piece, &OrientedBox::about(&triangles), &self.middle);
+            four.put(index, piece, &OrientedBox::about(&triangles), &self.origin);
         }
         self.fours.push(four);
         self.fours.len() - 1
@@ -145,19 +145,19 @@ impl Four {
         pieces: [Piece::Triangle(0); 4],
     };
 
-    /// Sets one of the boxes; places count from `middle`.
-    fn put(&mut self, index: usize, piece: Piece, found: &OrientedBox, middle: &Point) {
+    /// Sets one of the boxes; places count from `origin`.
+    fn put(&mut self, index: usize, piece: Piece, found: &OrientedBox, origin: &Point) {
         for (k, axis) in found.axes.iter().enumerate() {
             for coordinate in 0..3 {
                 self.axes[k][coordinate][index] = axis[coordinate] as f32;
             }
-            self.places_mm[k][index] = axis.dot(&(found.centre - middle)) as f32;
+            self.places_mm[k][index] = axis.dot(&(found.centre - origin)) as f32;
             self.halves_mm[k][index] = found.halves_mm[k] as f32;
         }
         self.pieces[index] = piece;
     }
 
-    /// Squares of the lower bounds (1) for a point at `off_mm` from the middle.
+    /// Squares of the lower bounds (1) for a point at `off_mm` from the origin.
     fn no_less_mm2(&self, off_mm: [f32; 3]) -> [f32; 4] {
         let mut squares_mm2 = [0.0; 4];
         for k in 0..3 {
