@@ -123,7 +123,7 @@ impl Envelope {
         let reach = 2 + fmath::min(response_mm * cells_per_mm, CELLS as f32) as usize;
         lower_to_least(&mut ratios, reach + 1);
         let mut before = f32::INFINITY;
-        for (border, ratio) in borders.iter_mut().zip(ratios) {
+        for (border, &ratio) in borders.iter_mut().zip(&ratios) {
             *border = border.with_ratio(fmath::min(fmath::min(before, ratio), RATIO_MAX));
             before = ratio;
         } // (2)
