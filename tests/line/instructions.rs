@@ -1,25 +1,30 @@
-//! Processor time that `check` and `adapt` need for a line, as instructions that callgrind counts: the same on every computer, busy or not.
+//! Processor time that `check`, `adapt` and `simulate` need for a line, as instructions that callgrind counts: the same on every computer, busy or not.
 #![cfg(target_os = "linux")]
 
 use arcfeed_tests::valgrind::{instructions, valgrind_or_skip};
 use arcfeed_tests::{Scratch, arcfeed};
 
 use crate::program_memory::{job, program};
+use crate::report_page::scale::{JOB as ROWS_JOB, rows};
 
 /// Lines of the shorter and of the longer program: the difference is that of the lines alone.
 const LINES: [usize; 2] = [500, 1_500];
+/// The same for `simulate`, which takes longer for a line.
+const SIMULATED_LINES: [usize; 2] = [200, 600];
 
 /// Most instructions for a line in the tests' profile, a fifth more than they take. The shipped program needs a fourth to a sixth (docs/build.md).
 const CHECK_MAX: u64 = 14_500;
 const ADAPT_MAX: u64 = 155_000;
+/// The same for a row of short lines in `simulate`, a tenth more: without a report it records no path.
+const SIMULATE_MAX: u64 = 252_000;
 
-/// Instructions that a command takes for each line of `program.nc`.
-fn of_a_line(scratch: &Scratch, arguments: &[&str]) -> u64 {
-    let [short, long] = LINES.map(|lines| {
+/// Instructions that a command takes for each line of `program.nc`, from programs of two lengths.
+fn of_a_line(scratch: &Scratch, (program, lines): (fn(usize) -> String, [usize; 2]), arguments: &[&str]) -> u64 {
+    let [short, long] = lines.map(|lines| {
         scratch.write("program.nc", program(lines));
         instructions(arcfeed(), arguments)
     });
-    (long - short) / (LINES[1] - LINES[0]) as u64
+    (long - short) / (lines[1] - lines[0]) as u64
 }
 
 #[test]
@@ -28,9 +33,13 @@ fn a_line_takes_no_more_of_them_than_before() {
         return;
     }
     let scratch = Scratch::new("instructions");
-    let checks = of_a_line(&scratch, &["check", &scratch.path("program.nc")]);
+    let checks = of_a_line(&scratch, (program, LINES), &["check", &scratch.path("program.nc")]);
     let output = scratch.path("adapted.nc");
-    let adapts = of_a_line(&scratch, &["adapt", &job(&scratch, "program.nc"), "-o", &output]);
-    println!("instructions for a line: check {checks}, adapt {adapts}");
-    assert!(checks <= CHECK_MAX && adapts <= ADAPT_MAX, "check {checks}, adapt {adapts}");
+    let job = job(&scratch, "program.nc");
+    let adapts = of_a_line(&scratch, (program, LINES), &["adapt", &job, "-o", &output]);
+    let job_of_rows = scratch.write("rows.toml", format!("program = \"program.nc\"\n{ROWS_JOB}"));
+    let simulates = of_a_line(&scratch, (rows, SIMULATED_LINES), &["simulate", &job_of_rows, "--json"]);
+    let found = format!("instructions for a line: check {checks}, adapt {adapts}, simulate {simulates}");
+    println!("{found}");
+    assert!(checks <= CHECK_MAX && adapts <= ADAPT_MAX && simulates <= SIMULATE_MAX, "{found}");
 }
