@@ -181,12 +181,12 @@ impl Envelope {
     }
 }
 
-/// Lowers each ratio to the least of as many that begin with it.
+/// Lowers each ratio to the least of itself and those that follow it, `count` in all.
 fn lower_to_least(ratios: &mut [f32], count: usize) {
     let ratios = Cell::from_mut(ratios).as_slice_of_cells();
     let mut covered = 1;
     while covered < count {
-        // Each is the least of `covered`, and so is the one that begins where they end.
+        // Each is the least of `covered` by now: with the one a step ahead, of a step more.
         let step = covered.min(count - covered);
         for (ratio, ahead) in ratios.iter().zip(ratios.iter().skip(step)) {
             ratio.set(fmath::min(ratio.get(), ahead.get()));

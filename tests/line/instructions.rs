@@ -9,13 +9,13 @@ use crate::report_page::scale::{JOB as ROWS_JOB, rows};
 
 /// Lines of the shorter and of the longer program: the difference is that of the lines alone.
 const LINES: [usize; 2] = [500, 1_500];
-/// The same for `simulate`, which takes longer for a line.
+/// Lines of the two programs that are simulated: fewer, because each takes longer.
 const SIMULATED_LINES: [usize; 2] = [200, 600];
 
 /// Most instructions for a line in the tests' profile, a fifth more than they take. The shipped program needs a fourth to a sixth (docs/build.md).
 const CHECK_MAX: u64 = 14_500;
 const ADAPT_MAX: u64 = 155_000;
-/// The same for a row of short lines in `simulate`, a tenth more: without a report it records no path.
+/// Most for a short line in `simulate`, a tenth more than it takes: without a report no path is recorded.
 const SIMULATE_MAX: u64 = 252_000;
 
 /// Instructions that a command takes for each line of `program.nc`, from programs of two lengths.

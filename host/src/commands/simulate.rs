@@ -164,7 +164,7 @@ impl Simulate {
         // Tables of a trace are written for each run.
         let mut runs = BothRuns::new((&file, setup.as_ref()), &program, (&adapted, &sent), !traces.is_empty())?;
         if self.report.is_some() {
-            runs.record_for_page(file.machine.as_ref().map(|named| named.machine));
+            runs.record_for_page(&file);
         }
         // The runs need the text alone.
         adapted.blocks = Vec::new();

@@ -1,4 +1,4 @@
-// Moments of a report's last run, by the viewer's own code without a browser: `node test/moments.mjs REPORT.html FACTS.json`. A fact is a line
+// Moments of a report's runs, the stock in the last one, by the viewer's own code without a browser: `node test/moments.mjs REPORT.html FACTS.json`. A fact is a line
 // of the program, the part of its way that is done, and what is there then: place and axis of the tool, its reach, heights of the stock.
 import assert from 'node:assert/strict';
 import { readFileSync } from 'node:fs';
@@ -14,7 +14,8 @@ const { read, Run, Stock } = await import(`data:text/javascript;base64,${Buffer.
 
 const [, data] = /id="arcfeed-data">([^<]*)</.exec(readFileSync(report, 'utf8'));
 const page = await read(data);
-const run = new Run(page.runs.at(-1));
+const runs = page.runs.map((shown) => new Run(shown));
+const run = runs.at(-1);
 const stock = page.heights && new Stock(page.heights, run, page.tools);
 if (stock) console.log(`${page.heights.frames.at.length} frames, ${page.heights.frames.cell.length} changes of ${page.heights.values.length} cells`);
 
@@ -27,14 +28,21 @@ function height([x, y]) {
     return stock.values[Math.floor((y - lowest[1]) / step) * columns + Math.floor((x - lowest[0]) / step)];
 }
 
-for (const { line, part, place, axis, reach, heights, tolerance } of facts) {
+/** Time at which a run has done a part of a line's way. */
+function timeOf(run, line, part) {
     const begin = run.ofLine.get(line) - 1;
     let end = begin + 1;
     while (end + 1 < run.points && run.line[end + 1] === line) end++;
-    const time = run.timeAtLength(run.length[begin] + part * (run.length[end] - run.length[begin]));
-    const what = `line ${line} at ${part}`;
-    if (place) close(run.placeAt(time), place, tolerance, what);
-    if (axis) close(run.axisAt(time), axis, 1e-5, `axis in ${what}`);
+    return run.timeAtLength(run.length[begin] + part * (run.length[end] - run.length[begin]));
+}
+
+for (const { line, part, place, axis, reach, heights, tolerance } of facts) {
+    const [time, what] = [timeOf(run, line, part), `line ${line} at ${part}`];
+    for (const shown of runs) {
+        const at = timeOf(shown, line, part);
+        if (place) close(shown.placeAt(at), place, tolerance, what);
+        if (axis) close(shown.axisAt(at), axis, 1e-5, `axis in ${what}`);
+    }
     if (reach) {
         const outline = page.tools[run.toolAt(run.indexAt(time))];
         close([Math.max(...outline.map(([radius]) => radius))], [reach], 1e-6, `tool in ${what}`);

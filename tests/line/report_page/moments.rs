@@ -11,9 +11,9 @@ const LAW: &str = "[law]\nkind = \"programmed\"\nfeed_per_tooth = 0.05\n";
 /// Positions of A and C that present the top and the four sides of a cube.
 const FACES: [[f64; 2]; 5] = [[0.0, 0.0], [-90.0, 0.0], [-90.0, 90.0], [-90.0, 180.0], [-90.0, 270.0]];
 
-/// Simulates a job, and looks for the facts in its report.
+/// Runs a command with a job, and looks for the facts in its report.
 #[track_caller]
-fn check(test: &str, job: &str, program: &str, facts: Value) {
+fn check_of(command: &[&str], test: &str, job: &str, program: &str, facts: Value) {
     if !has_node(test) {
         return;
     }
@@ -21,10 +21,16 @@ fn check(test: &str, job: &str, program: &str, facts: Value) {
     scratch.write("program.nc", program);
     let job = scratch.write("job.toml", format!("units = \"mm\"\nprogram = \"program.nc\"\n{job}"));
     let page = scratch.path("run.html");
-    let output = run(&["simulate", &job, "--json", "--report", &page]);
+    let output = run(&[command, &[&job, "--json", "--report", &page]].concat());
     assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
     let facts = scratch.write("facts.json", facts.to_string());
     println!("{}", node(&["test/moments.mjs", &page, &facts]));
+}
+
+/// Simulates a job, and looks for the facts in its report.
+#[track_caller]
+fn check(test: &str, job: &str, program: &str, facts: Value) {
+    check_of(&["simulate"], test, job, program, facts);
 }
 
 /// Point of the tool's frame on the part: A turns about X, then C about Z.
@@ -59,6 +65,12 @@ fn faces() -> (String, String, Value) {
 fn the_tool_is_on_the_part_in_every_position_of_the_rotary_axes() {
     let (program, job, facts) = faces();
     check("moments-faces", &job, &program, facts);
+}
+
+#[test]
+fn in_the_report_of_a_sent_program_both_paths_are_on_the_part() {
+    let (program, job, facts) = faces();
+    check_of(&["stream", "--port", "sim:"], "moments-sent", &job, &program, facts);
 }
 
 #[test]

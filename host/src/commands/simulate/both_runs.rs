@@ -2,7 +2,6 @@
 
 use arcfeed_hil_sim::faults::ControllerFault;
 use arcfeed_hil_sim::simulation::Simulation;
-use arcfeed_kinematics::machine::Machine;
 use arcfeed_model::job::LawKind;
 
 use super::conditions::{foreseen, foreseen_before};
@@ -76,9 +75,9 @@ impl BothRuns {
         Ok(BothRuns { after: observed(after, true), before: before.map(|before| observed(before, false)) })
     }
 
-    /// Lets the runs record what a report shows, of the adapted program with its stock.
-    pub fn record_for_page(&mut self, machine: Option<Machine>) {
-        self.observers_mut().for_each(|observer| observer.record_for_page(machine));
+    /// Lets the runs record what a report shows; that of the adapted program with its stock.
+    pub fn record_for_page(&mut self, file: &JobFile) {
+        self.observers_mut().for_each(|observer| observer.record_for_page(file));
         self.after.observer.record_stock();
     }
 

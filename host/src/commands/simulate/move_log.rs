@@ -21,7 +21,7 @@ const GAP_RATIO: u64 = 4_096;
 pub struct MoveLog {
     /// Moves in order of execution.
     pub moves: Vec<LoggedMove>,
-    /// Whether a page shows the log: what follows is recorded then.
+    /// Whether a page shows the log: otherwise only `moves` are recorded.
     pub is_shown: bool,
     /// The first [`DRAWN_MAX`] moves and one more, as they are drawn.
     pub drawn: Vec<DrawnMove>,

@@ -9,7 +9,6 @@ use arcfeed_hil_sim::removal::cutter::StockCutter;
 use arcfeed_hil_sim::removal::loads::LoadMeter;
 use arcfeed_hil_sim::simulated_machine::SimulatedMachine;
 use arcfeed_hil_sim::simulation::Simulation;
-use arcfeed_kinematics::machine::Machine;
 use arcfeed_units::Micros;
 
 use super::super::outcome::{Failure, on_interrupt};
@@ -20,6 +19,7 @@ use super::run_tables::{RunTables, TraceFiles};
 use super::setup::Setup;
 use super::stock_frames::StockFrames;
 use crate::console::{self, Progress};
+use crate::job::JobFile;
 
 /// Longest simulated run: a program that takes longer does not end.
 const RUN_MAX: Micros = Micros::from_ms(24 * 3_600 * 1_000);
@@ -55,10 +55,10 @@ impl RunObserver {
         RunObserver { cutter: setup.map(Setup::cutter), loads, place, shows, ..RunObserver::default() }
     }
 
-    /// Lets the observer record what a report or the live page shows: curves, and the tool's path, with a machine on its part.
-    pub fn record_for_page(&mut self, machine: Option<Machine>) {
+    /// Lets the observer record what a report or the live page shows: curves, and the tool's path, on the part if the job names its machine.
+    pub fn record_for_page(&mut self, file: &JobFile) {
         self.log.is_shown = true;
-        self.path.get_or_insert_default().follow(machine);
+        self.path.get_or_insert_default().follow(file.machine.as_ref().map(|named| named.machine));
     }
 
     /// Lets the observer record the stock at many times of the run, for the viewer.

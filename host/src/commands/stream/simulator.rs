@@ -122,9 +122,9 @@ impl Stream {
     ) -> Result<(), Failure> {
         let (file, started) = (&ready.file, Instant::now());
         let outbox = Outbox::new(file.serial.write_timeout());
-        let is_shown = self.report.is_some() || self.web.is_some();
-        if is_shown || self.trace.is_some() || !self.assertions.is_empty() {
-            sim.borrow_mut().observe(self.observer(ready)?);
+        let has_page = self.report.is_some() || self.web.is_some();
+        if has_page || self.trace.is_some() || !self.assertions.is_empty() {
+            sim.borrow_mut().observe(self.observer(ready, has_page)?);
         }
         let mut line = wrap(&self.port, Box::new(Rc::clone(sim)))?;
         let services = self.services(ready, (&*line, &sender), (logbook, board_session))?;
@@ -176,9 +176,9 @@ impl Stream {
         Ok(())
     }
 
-    /// Observer of the run, with the tables of `--trace`.
-    fn observer(&self, ready: &PreparedProgram) -> Result<RunObserver, Failure> {
-        let mut observer = observer_of(&ready.file, self.report.is_some() || self.web.is_some());
+    /// Observer of the run, with the tables of `--trace`; `has_page` says whether a page shows the run.
+    fn observer(&self, ready: &PreparedProgram, has_page: bool) -> Result<RunObserver, Failure> {
+        let mut observer = observer_of(&ready.file, has_page);
         if let Some(path) = &self.trace {
             let PreparedProgram { file, program, .. } = ready;
             let adapted = adapt_with(program, &file.job, Known::of(file));
@@ -194,11 +194,11 @@ impl Stream {
     }
 }
 
-/// Observer of a run; `has_page` says whether a page shows it.
+/// Observer of a run, without tables; `has_page` says whether a page shows the run.
 fn observer_of(file: &JobFile, has_page: bool) -> RunObserver {
     let mut observer = RunObserver::default();
     if has_page {
-        observer.record_for_page(file.machine.as_ref().map(|named| named.machine));
+        observer.record_for_page(file);
     }
     observer
 }
