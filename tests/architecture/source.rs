@@ -61,8 +61,14 @@ pub const CHIP: [&str; 11] = [
     "firmware/c/src",
 ];
 /// Folders of sources of the simulator.
-pub const SIMULATOR: [&str; 5] =
-    ["hil-sim/control/src", "hil-sim/dexel/src", "hil-sim/modal/src", "hil-sim/milling/src", "hil-sim/src"];
+pub const SIMULATOR: [&str; 6] = [
+    "hil-sim/control/src",
+    "hil-sim/dexel/src",
+    "hil-sim/modal/src",
+    "hil-sim/milling/src",
+    "hil-sim/blades/src",
+    "hil-sim/src",
+];
 /// Folders of sources of the host.
 pub const HOST: [&str; 7] = [
     "host/src",

@@ -14,8 +14,6 @@ use arcfeed_units::T_PER_KG;
 use nalgebra::Vector3;
 
 use crate::dynamics::modal::{Mode, ModeError};
-use crate::fe::beam::BeamModes;
-use crate::fe::disk_field::DiskField;
 use crate::fe::field::Field;
 use crate::fe::modal_point::ModalPoint;
 
@@ -33,20 +31,6 @@ pub trait Modal {
 }
 
 impl Modal for Field {
-    fn omega_rad_per_s(&self) -> &[f64] {
-        self.omega_rad_per_s()
-    }
-
-    fn reach_mm(&self) -> f64 {
-        self.reach_mm()
-    }
-
-    fn evaluate_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) {
-        self.at_nearest(point_mm, beyond_mm, modal_point);
-    }
-}
-
-impl Modal for DiskField {
     fn omega_rad_per_s(&self) -> &[f64] {
         self.omega_rad_per_s()
     }
@@ -156,15 +140,17 @@ impl<B: Modal> Workpiece<B> {
     }
 }
 
-/// Modes of a tool at one of its points, all with the same damping.
+/// Modes of a body at one of its points, all with the same damping.
 ///
 /// # Errors
 /// The damping is out of range.
-pub fn tool_modes(tool: &BeamModes, point_mm: [f64; 3], damping_ratio: f64) -> Result<Vec<Mode>, ModeError> {
-    let mut modal_point = ModalPoint::default();
-    tool.at(point_mm, &mut modal_point);
+pub fn modes_at(
+    omegas_rad_per_s: &[f64],
+    modal_point: &ModalPoint,
+    damping_ratio: f64,
+) -> Result<Vec<Mode>, ModeError> {
     let shapes: Vec<Vector3<f64>> = modal_point.shapes.iter().map(per_root_kg).collect();
-    modes(&tool.omega_rad_per_s, &shapes, damping_ratio)
+    modes(omegas_rad_per_s, &shapes, damping_ratio)
 }
 
 /// Modes of a body, all with the same damping and the largest shape along each axis anywhere on the body.

@@ -1,15 +1,15 @@
 //! A flexible workpiece seen from its contact, against the finite elements' own static solution.
 
+use arcfeed_blades::beam::{Beam, BeamSection};
+use arcfeed_blades::blade::Blade;
 use arcfeed_modal::dynamics::transition::Rule;
 use arcfeed_modal::dynamics::vibration::{Stepping, Vibration};
-use arcfeed_modal::fe::beam::{Beam, BeamSection};
-use arcfeed_modal::fe::blade::Blade;
 use arcfeed_modal::fe::body::Body;
 use arcfeed_modal::fe::field::Field;
 use arcfeed_modal::fe::material::{STEEL, TITANIUM_6AL_4V};
 use arcfeed_modal::fe::sparse::Factor;
 use arcfeed_modal::fe::unknowns::Unknowns;
-use arcfeed_modal::flexible::{Workpiece, tool_modes};
+use arcfeed_modal::flexible::Workpiece;
 use nalgebra::Vector3;
 
 /// Nearly at once.
@@ -68,7 +68,7 @@ fn tool_and_workpiece_give_way_together_as_two_springs_in_a_row() {
     let of_workpiece = modes.len();
     let section = BeamSection { length_mm: 40.0, diameter_mm: 8.0, material: STEEL };
     let beam = Beam { sections: vec![section], tip_mass_kg: 0.0, elements: 8 }.modes(12).unwrap();
-    modes.extend(tool_modes(&beam, [0.0; 3], DAMPING).unwrap());
+    modes.extend(beam.modes_at([0.0; 3], DAMPING).unwrap());
     let force_n = Vector3::from(FORCE_N);
     let each: Vec<Vector3<f64>> = modes.iter().map(|mode| mode.static_mm(&force_n)).collect();
     // Bernoulli's beam and its shear: F l^3 / 3 E I + F l / kappa G A.

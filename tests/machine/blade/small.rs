@@ -1,11 +1,11 @@
 //! A small plate and a small ball, for passes of a second.
 
+use arcfeed_blades::blade::Blade;
+use arcfeed_blades::finishing::pass::{FinishingPass, PassResolution, PassResult};
+use arcfeed_blades::finishing::side::Side;
 use arcfeed_milling::cutting::edges::EndMill;
 use arcfeed_milling::cutting::material::MATERIALS;
-use arcfeed_milling::finishing::pass::{FinishingPass, PassResolution, PassResult};
-use arcfeed_milling::finishing::side::Side;
 use arcfeed_modal::dynamics::modal::Mode;
-use arcfeed_modal::fe::blade::Blade;
 use arcfeed_modal::fe::field::Field;
 use nalgebra::Vector3;
 

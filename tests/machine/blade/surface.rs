@@ -1,9 +1,9 @@
 //! The surface that a pass leaves.
 
-use arcfeed_milling::finishing::marks::{deviation_mm, marks};
-use arcfeed_milling::finishing::pass::{FinishingPass, MillError, PassResult};
+use arcfeed_blades::blade::Blade;
+use arcfeed_blades::finishing::marks::{deviation_mm, marks};
+use arcfeed_blades::finishing::pass::{FinishingPass, MillError, PassResult};
 use arcfeed_modal::dynamics::chatter::metric_mm;
-use arcfeed_modal::fe::blade::Blade;
 use arcfeed_modal::fe::body::Body;
 use arcfeed_modal::fe::field::Field;
 use arcfeed_modal::fe::material::TITANIUM_6AL_4V;

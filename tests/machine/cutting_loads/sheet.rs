@@ -3,9 +3,9 @@
 
 use std::fs;
 
+use arcfeed_blades::blade::Blade;
 use arcfeed_dexel::files::write_stl;
 use arcfeed_dexel::mesh::Mesh;
-use arcfeed_modal::fe::blade::Blade;
 use arcfeed_modal::fe::body::Body;
 use arcfeed_modal::fe::material::STEEL;
 use arcfeed_tests::Scratch;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use arcfeed_modal::fe::beam::{Beam, BeamSection};
+use arcfeed_blades::beam::{Beam, BeamSection};
 use arcfeed_modal::fe::material::{STEEL, TITANIUM_6AL_4V};
 use arcfeed_modal::fe::modal_point::ModalPoint;
 

@@ -1,9 +1,9 @@
 //! Disks by one sector against the whole.
 
+use arcfeed_blades::cyclic::{Sector, SectorError, Wave};
+use arcfeed_blades::disk::{BladedDisk, SectorCells};
+use arcfeed_blades::disk_field::DiskField;
 use arcfeed_modal::fe::body::Body;
-use arcfeed_modal::fe::cyclic::{Sector, SectorError, Wave};
-use arcfeed_modal::fe::disk::{BladedDisk, SectorCells};
-use arcfeed_modal::fe::disk_field::DiskField;
 use arcfeed_modal::fe::eigen::below;
 use arcfeed_modal::fe::material::TITANIUM_6AL_4V;
 use arcfeed_modal::fe::mesh::TetMesh;

@@ -1,6 +1,6 @@
 //! Plates clamped along one edge.
 
-use arcfeed_modal::fe::blade::Blade;
+use arcfeed_blades::blade::Blade;
 use arcfeed_modal::fe::body::Body;
 use arcfeed_modal::fe::material::{ElasticMaterial, STEEL, TITANIUM_6AL_4V};
 

@@ -1,6 +1,6 @@
 //! Mode shapes at a point of the body, and beside it.
 
-use arcfeed_modal::fe::blade::Blade;
+use arcfeed_blades::blade::Blade;
 use arcfeed_modal::fe::body::{Body, Modes};
 use arcfeed_modal::fe::field::Field;
 use arcfeed_modal::fe::material::{STEEL, TITANIUM_6AL_4V};

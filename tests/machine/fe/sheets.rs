@@ -2,8 +2,8 @@
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use arcfeed_blades::blade::Blade;
 use arcfeed_dexel::mesh::Mesh as Surface;
-use arcfeed_modal::fe::blade::Blade;
 use arcfeed_modal::fe::body::Body;
 use arcfeed_modal::fe::clamped_block::{ClampedBlock, Face};
 use arcfeed_modal::fe::material::TITANIUM_6AL_4V;

@@ -1,6 +1,6 @@
 //! The sparse eigenproblem against a dense one, and what its answers must satisfy.
 
-use arcfeed_modal::fe::blade::Blade;
+use arcfeed_blades::blade::Blade;
 use arcfeed_modal::fe::body::Body;
 use arcfeed_modal::fe::eigen::{EigenError, below, lowest};
 use arcfeed_modal::fe::material::TITANIUM_6AL_4V;

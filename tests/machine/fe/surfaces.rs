@@ -1,7 +1,7 @@
 //! Closed surfaces as files have them: a cube's, put where a function says.
 
+use arcfeed_blades::blade::Blade;
 use arcfeed_dexel::mesh::Mesh;
-use arcfeed_modal::fe::blade::Blade;
 
 /// Twisted by half a radian, cambered, tapered both ways, leaning.
 pub const TWISTED: Blade = Blade {

@@ -3,7 +3,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use arcfeed_modal::fe::blade::Blade;
+use arcfeed_blades::blade::Blade;
 use arcfeed_modal::fe::body::Body;
 use arcfeed_modal::fe::material::ElasticMaterial;
 use arcfeed_modal::fe::sparse::Factor;

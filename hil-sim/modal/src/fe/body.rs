@@ -23,11 +23,6 @@ pub struct Modes {
     pub shapes: Vec<Vec<[f64; 3]>>,
 }
 
-/// Angular frequency of an eigenvalue.
-pub(super) fn omega_rad_per_s(pair: &Eigenpair) -> f64 {
-    libm::sqrt(pair.lambda_per_s2)
-}
-
 impl Modes {
     /// Natural frequencies in Hz, the lowest first.
     pub fn frequencies_hz(&self) -> Vec<f64> {
@@ -70,7 +65,7 @@ impl Body {
         let (k, m) = self.matrices(&unknowns);
         let pairs = lowest(&k, &m, count)?;
         Ok(Modes {
-            omega_rad_per_s: pairs.iter().map(omega_rad_per_s).collect(),
+            omega_rad_per_s: pairs.iter().map(Eigenpair::omega_rad_per_s).collect(),
             shapes: pairs.iter().map(|pair| unknowns.displacements(0, &pair.vector)).collect(),
         })
     }

@@ -39,6 +39,13 @@ pub struct Eigenpair {
     pub vector: Vec<f64>,
 }
 
+impl Eigenpair {
+    /// Angular frequency.
+    pub fn omega_rad_per_s(&self) -> f64 {
+        libm::sqrt(self.lambda_per_s2)
+    }
+}
+
 /// Reason why no eigenvalues were computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EigenError {

@@ -121,7 +121,7 @@ impl Field {
 }
 
 /// Iteration (3) with the given u, starting from the displacement of a point nearby.
-pub(super) fn settled_mm(
+pub fn settled_mm(
     now_mm: [f64; 3],
     near_mm: [f64; 3],
     mut displacement_mm: impl FnMut([f64; 3]) -> Result<[f64; 3], TooFar>,

@@ -1,8 +1,7 @@
-//! Vibration of tools and workpieces: natural frequencies, mode shapes, and their effect at a point.
+//! Vibration of workpieces: natural frequencies, mode shapes, and their effect at a point.
 //!
-//! Tools are beams, workpieces are bodies of ten-node tetrahedra, disks are modelled by one sector. All give a
-//! [`modal_point::ModalPoint`] at a point, through which forces act on the modes and the modes move the point. Damping
-//! and time steps are in other modules.
+//! Workpieces are bodies of ten-node tetrahedra. They give a [`modal_point::ModalPoint`] at a point, through which forces act on the modes and the modes move the
+//! point. Damping and time steps are in other modules.
 //! Lengths in mm, forces in N, time in s and masses in t form one consistent set of units: 1 N = 1 t mm/s2, 1 MPa = 1
 //! N/mm2. Accuracy, cost and limits: docs/fe.md.
 
@@ -14,15 +13,11 @@ pub mod element;
 
 pub mod mesh;
 
-pub mod blade;
-
 pub mod clamped_block;
 
 pub mod sides;
 
 pub mod sheet;
-
-pub mod disk;
 
 pub mod order;
 
@@ -39,9 +34,3 @@ pub mod modal_point;
 pub mod locate;
 
 pub mod field;
-
-pub mod cyclic;
-
-pub mod disk_field;
-
-pub mod beam;

@@ -17,7 +17,8 @@
 pub struct ModalPoint {
     /// Mode by mode, the mass-normalised shape phi_r(X) at the point, 1/sqrt(t).
     pub shapes: Vec<[f64; 3]>,
-    pub(super) element: Option<usize>,
+    /// Element of the mesh in which the point is.
+    pub element: Option<usize>,
 }
 
 impl ModalPoint {

@@ -2,12 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use super::body::Modes;
-use super::cyclic::{Sector, Wave};
-use super::disk::turned_by;
-use super::field::{Field, settled_mm};
-use super::locate::TooFar;
-use super::modal_point::ModalPoint;
+use arcfeed_modal::fe::body::Modes;
+use arcfeed_modal::fe::field::{Field, settled_mm};
+use arcfeed_modal::fe::locate::TooFar;
+use arcfeed_modal::fe::modal_point::ModalPoint;
+use arcfeed_modal::flexible::Modal;
+
+use crate::cyclic::{Sector, Wave};
+use crate::disk::turned_by;
 
 /// Modes of a vibrating disk, with the search for the mode shapes at any point of it.
 #[derive(Clone, Debug)]
@@ -100,7 +102,7 @@ impl DiskField {
         Some(outside_mm)
     }
 
-    /// Converts a and b of the first sector to the displacement in another one: (1) of [`super::cyclic`].
+    /// Converts a and b of the first sector to the displacement in another one: (1) of [`crate::cyclic`].
     fn expand(&self, sector: usize, modal_point: &mut ModalPoint) {
         let around = self.turns[sector];
         for (mode, diameters) in self.diameters.iter().enumerate() {
@@ -126,5 +128,19 @@ impl DiskField {
             self.at(point_mm, modal_point)?;
             Ok(modal_point.displacement_mm(amplitudes))
         })
+    }
+}
+
+impl Modal for DiskField {
+    fn omega_rad_per_s(&self) -> &[f64] {
+        self.omega_rad_per_s()
+    }
+
+    fn reach_mm(&self) -> f64 {
+        self.reach_mm()
+    }
+
+    fn evaluate_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) {
+        self.at_nearest(point_mm, beyond_mm, modal_point);
     }
 }

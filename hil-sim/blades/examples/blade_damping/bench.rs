@@ -3,18 +3,18 @@
 use std::collections::BTreeMap;
 use std::error::Error;
 
+use arcfeed_blades::beam::{Beam, BeamModes, BeamSection};
+use arcfeed_blades::blade::Blade;
+use arcfeed_blades::finishing::marks::{SurfaceMark, deviation_mm, marks};
+use arcfeed_blades::finishing::pass::{FinishingPass, PassResolution, PassResult};
+use arcfeed_blades::finishing::side::Side;
 use arcfeed_milling::cutting::edges::EndMill;
 use arcfeed_milling::cutting::material::MATERIALS;
-use arcfeed_milling::finishing::marks::{SurfaceMark, deviation_mm, marks};
-use arcfeed_milling::finishing::pass::{FinishingPass, PassResolution, PassResult};
-use arcfeed_milling::finishing::side::Side;
 use arcfeed_modal::dynamics::chatter::metric_mm;
-use arcfeed_modal::fe::beam::{Beam, BeamModes, BeamSection};
-use arcfeed_modal::fe::blade::Blade;
 use arcfeed_modal::fe::body::Body;
 use arcfeed_modal::fe::field::Field;
 use arcfeed_modal::fe::material::{ElasticMaterial, TITANIUM_6AL_4V};
-use arcfeed_modal::flexible::{Modal, Workpiece, tool_modes};
+use arcfeed_modal::flexible::{Modal, Workpiece};
 
 /// Blade whose first ten modes are near those of the paper, which does not state its dimensions.
 pub const BLADE: Blade = Blade {
@@ -124,7 +124,7 @@ impl<B: Modal> Bench<B> {
             seen = Some(workpiece);
         }
         if let Some(ratio) = damping.tool {
-            modes.extend(tool_modes(&self.tool, tool_point_mm(), ratio)?);
+            modes.extend(self.tool.modes_at(tool_point_mm(), ratio)?);
         }
         let machined = self.pass.run(modes, seen)?;
         eprintln!("{damping:?}");

@@ -5,10 +5,10 @@
 use std::f64::consts::FRAC_PI_2;
 use std::time::Instant;
 
-use arcfeed_modal::fe::blade::Blade;
-use arcfeed_modal::fe::cyclic::Sector;
-use arcfeed_modal::fe::disk::{BladedDisk, SectorCells};
-use arcfeed_modal::fe::disk_field::DiskField;
+use arcfeed_blades::blade::Blade;
+use arcfeed_blades::cyclic::Sector;
+use arcfeed_blades::disk::{BladedDisk, SectorCells};
+use arcfeed_blades::disk_field::DiskField;
 use arcfeed_modal::fe::material::TITANIUM_6AL_4V;
 use arcfeed_modal::fe::modal_point::ModalPoint;
 use arcfeed_modal::flexible::Modal;

@@ -5,7 +5,7 @@
 
 use nalgebra::Vector2;
 
-use arcfeed_modal::fe::blade::Blade;
+use crate::blade::Blade;
 
 /// Change of s for finding the line's direction.
 const AHEAD_RATIO: f64 = 1e-5;

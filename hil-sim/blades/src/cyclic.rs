@@ -18,12 +18,13 @@
 use std::f64::consts::TAU;
 use std::fmt;
 
-use super::body::{Body, omega_rad_per_s};
-use super::disk::turned;
-use super::eigen::{EigenError, Eigenpair, lowest};
-use super::material::ElasticMaterial;
-use super::mesh::TetMesh;
-use super::unknowns::{MappingRow, Unknowns, numbers};
+use arcfeed_modal::fe::body::Body;
+use arcfeed_modal::fe::eigen::{EigenError, Eigenpair, lowest};
+use arcfeed_modal::fe::material::ElasticMaterial;
+use arcfeed_modal::fe::mesh::TetMesh;
+use arcfeed_modal::fe::unknowns::{MappingRow, Unknowns, numbers};
+
+use crate::disk::turned;
 
 /// Largest difference between left and right face, as a fraction of the distance from the axis.
 const GAP_RATIO: f64 = 1e-9;
@@ -177,7 +178,7 @@ impl Sector {
             unknowns.displacements(part, x).into_iter().map(|u| u.map(|u| u * scale)).collect()
         };
         let wave = |pair: Eigenpair| Wave {
-            omega_rad_per_s: omega_rad_per_s(&pair),
+            omega_rad_per_s: pair.omega_rad_per_s(),
             diameters,
             real: scaled(0, &pair.vector),
             imaginary: if share > 1.0 { scaled(1, &pair.vector) } else { vec![[0.0; 3]; self.left.len()] },

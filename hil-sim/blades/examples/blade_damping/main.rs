@@ -1,13 +1,13 @@
 //! The influence of damping on the finishing of a blade: the study of Lorong et al., Simulation of a finishing operation, 2012, section 4.3, on a blade of our own.
 //!
-//! `cargo run --profile dist -p arcfeed-milling --example blade_damping -- blade.png` prints the tables of docs/virtual-machining.md and paints its picture: some ten
+//! `cargo run --profile dist -p arcfeed-blades --example blade_damping -- blade.png` prints the tables of docs/virtual-machining.md and paints its picture: some ten
 //! minutes on two cores.
 
 use std::path::PathBuf;
 
-use arcfeed_milling::finishing::pass::PassResolution;
+use arcfeed_blades::finishing::pass::PassResolution;
 use arcfeed_modal::fe::field::Field;
-use arcfeed_modal::flexible::{Workpiece, tool_modes};
+use arcfeed_modal::flexible::Workpiece;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
@@ -94,7 +94,7 @@ fn label(damping: &Damping) -> String {
 
 /// Prints frequencies, and the static compliance of blade and tool along the blade's thickness.
 fn print_parts(bench: &Bench<Field>) -> Result<(), Failure> {
-    let tool = tool_modes(&bench.tool, tool_point_mm(), 0.0)?;
+    let tool = bench.tool.modes_at(tool_point_mm(), 0.0)?;
     println!("tool: {:.1} Hz, {:.0} N/mm", tool[0].frequency_hz, 1.0 / tool[0].static_mm(&Vector3::x()).x);
     let side = &bench.pass.side;
     let mut seen = Workpiece::new(&bench.body);

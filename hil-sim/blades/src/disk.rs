@@ -3,7 +3,7 @@
 //!
 //! Frame: the disk's axis is z, the first sector's middle points along x. Lattice: around, along the axis, outwards.
 
-use super::mesh::{HalfCells, TetMesh, TetMeshError};
+use arcfeed_modal::fe::mesh::{HalfCells, TetMesh, TetMeshError};
 
 /// A bladed disk, by its dimensions.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -97,12 +97,12 @@ impl BladedDisk {
 }
 
 /// Vector rotated about z.
-pub(super) fn turned(vector: [f64; 3], angle_rad: f64) -> [f64; 3] {
+pub(crate) fn turned(vector: [f64; 3], angle_rad: f64) -> [f64; 3] {
     let (sin, cos) = libm::sincos(angle_rad);
     turned_by(vector, [cos, sin])
 }
 
 /// Vector rotated about z by an angle given as cosine and sine.
-pub(super) fn turned_by([x, y, z]: [f64; 3], [cos, sin]: [f64; 2]) -> [f64; 3] {
+pub(crate) fn turned_by([x, y, z]: [f64; 3], [cos, sin]: [f64; 2]) -> [f64; 3] {
     [cos * x - sin * y, sin * x + cos * y, z]
 }

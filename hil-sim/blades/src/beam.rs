@@ -15,9 +15,11 @@
 
 use nalgebra::{DMatrix, Matrix4, RowVector4, SymmetricEigen};
 
-use super::eigen::EigenError;
-use super::material::ElasticMaterial;
-use super::modal_point::ModalPoint;
+use arcfeed_modal::dynamics::modal::{Mode, ModeError};
+use arcfeed_modal::fe::eigen::EigenError;
+use arcfeed_modal::fe::material::ElasticMaterial;
+use arcfeed_modal::fe::modal_point::ModalPoint;
+use arcfeed_modal::flexible::modes_at;
 use arcfeed_units::T_PER_KG;
 
 /// Cylindrical section of a tool that is modelled as a beam.
@@ -210,5 +212,15 @@ impl BeamModes {
             modal_point.shapes.push([across, 0.0, turn * point_mm[0]]);
             modal_point.shapes.push([0.0, across, turn * point_mm[1]]);
         }
+    }
+
+    /// Modes of the tool at one of its points, all with the same damping.
+    ///
+    /// # Errors
+    /// The damping is out of range.
+    pub fn modes_at(&self, point_mm: [f64; 3], damping_ratio: f64) -> Result<Vec<Mode>, ModeError> {
+        let mut modal_point = ModalPoint::default();
+        self.at(point_mm, &mut modal_point);
+        modes_at(&self.omega_rad_per_s, &modal_point, damping_ratio)
     }
 }

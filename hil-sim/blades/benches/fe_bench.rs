@@ -1,16 +1,16 @@
 //! Benchmark of finite elements: errors of plates and beams against closed forms and published tables as meshes get
 //! finer, a disk of 56 sectors, points beside a plate, and queries a second. Times are wall-clock times on one core.
 //!
-//! `cargo bench --profile dist -p arcfeed-modal --bench fe_bench`. Figures of one run are in docs/fe.md.
+//! `cargo bench --profile dist -p arcfeed-blades --bench fe_bench`. Figures of one run are in docs/fe.md.
 
 use std::time::Instant;
 
-use arcfeed_modal::fe::beam::{Beam, BeamSection};
-use arcfeed_modal::fe::blade::Blade;
+use arcfeed_blades::beam::{Beam, BeamSection};
+use arcfeed_blades::blade::Blade;
+use arcfeed_blades::cyclic::Sector;
+use arcfeed_blades::disk::{BladedDisk, SectorCells};
+use arcfeed_blades::disk_field::DiskField;
 use arcfeed_modal::fe::body::Body;
-use arcfeed_modal::fe::cyclic::Sector;
-use arcfeed_modal::fe::disk::{BladedDisk, SectorCells};
-use arcfeed_modal::fe::disk_field::DiskField;
 use arcfeed_modal::fe::field::Field;
 use arcfeed_modal::fe::locate::TooFar;
 use arcfeed_modal::fe::material::{STEEL, TITANIUM_6AL_4V};

@@ -5,8 +5,8 @@
 
 use super::pass::PassResult;
 use super::side::Side;
-use crate::cutting::layer::Layer;
 use arcfeed_dexel::dexel::{Dexel, Interval};
+use arcfeed_milling::cutting::layer::Layer;
 
 /// Distance from an edge within which rays are left out: they may meet the edge itself.
 const EDGE_MM: f64 = 0.3;

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use arcfeed_milling::finishing::marks::SurfaceMark;
+use arcfeed_blades::finishing::marks::SurfaceMark;
 
 /// Deviation at which colours are full.
 const FULL_MM: f64 = 0.02;
