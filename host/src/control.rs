@@ -39,7 +39,8 @@ use toml::Spanned;
 
 use crate::files;
 use crate::place::place;
-use crate::toml_values::{refuse_numbers, with_key};
+use crate::toml_reader::read;
+use crate::toml_values::with_key;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -199,9 +200,7 @@ pub fn load(preset: Preset, reading: Reading, file: Option<&Path>) -> Result<Loa
 }
 
 fn parse(preset: Preset, reading: Reading, text: &str) -> Result<LoadedSettings, (usize, String)> {
-    refuse_numbers(text)?;
-    let file: SettingsFile = toml::from_str(text)
-        .map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_string()))?;
+    let file: SettingsFile = read(text)?;
     let unit = match file.unit {
         Some(Unit::Mm) => LengthUnit::Mm,
         Some(Unit::Inch) | None => LengthUnit::Inch,

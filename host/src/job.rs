@@ -55,7 +55,8 @@ use crate::files;
 use crate::key_values::{self, KeyValue};
 use crate::machine_file::MachineFile;
 use crate::place::place;
-use crate::toml_values::{refuse_numbers, with_key};
+use crate::toml_reader::read;
+use crate::toml_values::with_key;
 pub use arcfeed_port::settings::{Parity, SerialSettings};
 pub use control_kind::ControlKind;
 pub use cutting::Cutting;
@@ -246,13 +247,8 @@ impl JobFile {
 
     /// The same with values in place of those of the machine's file.
     fn parse_with(path: &Path, text: &str, of_machine: &[KeyValue]) -> Result<Self, FileError> {
-        let read = || -> Result<JobTable, Complaint> {
-            toml::from_str(text)
-                .map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_string()))
-        };
         questions::refuse_open(text)
-            .and_then(|()| refuse_numbers(text))
-            .and_then(|()| read())
+            .and_then(|()| read::<JobTable>(text))
             .and_then(|table| {
                 let file = build(&table, path.parent().unwrap_or(Path::new("")), of_machine)?;
                 let rule_places = rules::tables(&table).map(|(_, cut)| place(text, cut.span().start)).collect();

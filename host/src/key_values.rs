@@ -4,7 +4,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use toml::Spanned;
-use toml::de::DeValue;
+use toml::de::{DeTable, DeValue};
 
 use crate::toml_values::walk;
 
@@ -40,7 +40,7 @@ impl FromStr for KeyValue {
         if value.is_empty() || value.contains(['\n', '\r']) {
             return Err("a value is one line, and not empty");
         }
-        let is_toml = toml::from_str::<toml::Table>(&format!("value = {value}")).is_ok_and(|table| table.len() == 1);
+        let is_toml = DeTable::parse(&format!("value = {value}")).is_ok_and(|table| table.get_ref().len() == 1);
         let value = if is_toml { value.to_owned() } else { toml::Value::from(value).to_string() };
         Ok(KeyValue { key: key.to_owned(), value })
     }

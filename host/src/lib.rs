@@ -16,6 +16,8 @@ pub mod features;
 
 mod toml_values;
 
+mod toml_reader;
+
 pub mod key_values;
 
 mod unit_value;

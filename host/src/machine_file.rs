@@ -47,7 +47,8 @@ use toml::Spanned;
 use crate::files;
 use crate::key_values::{KeyValue, with_values};
 use crate::place::place;
-use crate::toml_values::{refuse_numbers, with_key};
+use crate::toml_reader::read;
+use crate::toml_values::with_key;
 
 use drives::{DriveError, DriveValues, Drives, Loops, SpindleRamps, Tolerance};
 
@@ -158,10 +159,7 @@ impl MachineFile {
             let [line, column] = place(text, offset);
             format!("{line}:{column}: {}", with_key(text, offset, &message))
         };
-        refuse_numbers(text).map_err(|(offset, message)| at(offset, message))?;
-        let read = toml::from_str(text);
-        let table: MachineTable =
-            read.map_err(|error| at(error.span().map_or(0, |span| span.start), error.message().into()))?;
+        let table: MachineTable = read(text).map_err(|(offset, message)| at(offset, message))?;
         let LinearTables { X, Y, Z } = &table.linear;
         let linear = [X, Y, Z].map(|axis| linear_axis(axis.as_ref()));
         let rotary = table.rotary.each_ref().map(|axis| rotary_axis(axis.as_ref()));

@@ -40,28 +40,34 @@ fn walk_value(key: &str, key_offset: Option<usize>, value: &Spanned<DeValue<'_>>
     }
 }
 
-/// Rejects the first number that is not finite or larger than [`NUMBER_MAX`].
+/// Parses a file, and rejects the first number that is not finite or larger than [`NUMBER_MAX`].
 ///
 /// # Errors
 /// Byte offset and description of the fault.
-pub fn refuse_numbers(text: &str) -> Result<(), (usize, String)> {
-    let mut refused: Option<(usize, String)> = None;
-    walk(text, &mut |_, _, value| {
-        let number = match value.get_ref() {
-            DeValue::Float(float) => float.as_str().parse().unwrap_or(f64::NAN),
-            DeValue::Integer(integer) => {
-                i64::from_str_radix(integer.as_str(), integer.radix()).map_or(f64::INFINITY, |number| number as f64)
-            }
-            _ => return,
-        };
-        let offset = value.span().start;
-        if !is_possible(number) && refused.as_ref().is_none_or(|(first, _)| offset < *first) {
-            let message =
-                format!("a number between -{NUMBER_MAX:e} and {NUMBER_MAX:e} is needed; write one, or remove the key");
-            refused = Some((offset, message));
+pub fn parse(text: &str) -> Result<Spanned<DeTable<'_>>, (usize, String)> {
+    let file = DeTable::parse(text)
+        .map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_owned()))?;
+    match file.get_ref().values().filter_map(impossible).min() {
+        None => Ok(file),
+        Some(offset) => Err((
+            offset,
+            format!("a number between -{NUMBER_MAX:e} and {NUMBER_MAX:e} is needed; write one, or remove the key"),
+        )),
+    }
+}
+
+/// Offset of the first number in a value that a file must not have.
+fn impossible(value: &Spanned<DeValue<'_>>) -> Option<usize> {
+    let number = match value.get_ref() {
+        DeValue::Table(table) => return table.values().filter_map(impossible).min(),
+        DeValue::Array(values) => return values.iter().filter_map(impossible).min(),
+        DeValue::Float(float) => float.as_str().parse().unwrap_or(f64::NAN),
+        DeValue::Integer(integer) => {
+            i64::from_str_radix(integer.as_str(), integer.radix()).map_or(f64::INFINITY, |number| number as f64)
         }
-    });
-    refused.map_or(Ok(()), Err)
+        _ => return None,
+    };
+    (!is_possible(number)).then(|| value.span().start)
 }
 
 /// Whether a number is finite and not larger than [`NUMBER_MAX`].
@@ -105,7 +111,7 @@ mod tests {
             ("a = 1e300", Some("1e300")),
             ("a = 99999999999", Some("99999999999")),
         ] {
-            let found = refuse_numbers(text).err().map(|(offset, _)| offset);
+            let found = parse(text).err().map(|(offset, _)| offset);
             assert_eq!(found, refused.map(|refused| text.find(refused).expect("it is in the text")), "{text}");
         }
     }

@@ -34,7 +34,8 @@ use crate::file_error::FileError;
 use crate::job::{Complaint, Quantity, at, length_mm, machine, positive};
 use crate::machine_file::MachineFile;
 use crate::place::place;
-use crate::toml_values::{refuse_numbers, with_key};
+use crate::toml_reader;
+use crate::toml_values::with_key;
 use schema::{
     AxisWord, BaselineTable, BlankTable, FixtureTable, LawWord, OutputTable, PartMachineTable, PartTable, RoughingTable,
 };
@@ -180,14 +181,10 @@ fn parse<T>(
     text: &str,
     build: impl Fn(&PartTable, &Path, &Path) -> Result<T, PartError>,
 ) -> Result<T, FileError> {
-    let read = || -> Result<PartTable, Complaint> {
-        toml::from_str(text).map_err(|error| {
-            let is_iges = error.message().starts_with("unknown field `iges`");
-            let message = if is_iges { geometry_files::IGES } else { error.message() };
-            (error.span().map_or(0, |span| span.start), message.to_owned())
-        })
-    };
-    let table = refuse_numbers(text).and_then(|()| read());
+    let table = toml_reader::read::<PartTable>(text).map_err(|(offset, message)| {
+        let is_iges = message.starts_with("unknown field `iges`");
+        (offset, if is_iges { geometry_files::IGES.to_owned() } else { message })
+    });
     let folder = path.parent().unwrap_or(Path::new(""));
     let built = table.map_err(PartError::Here).and_then(|table| build(&table, path, folder));
     built.map_err(|wrong| match wrong {

@@ -25,7 +25,8 @@ use super::schema::{PointUnit, RotorWord};
 use crate::file_error::FileError;
 use crate::job::{Complaint, Quantity, UnitWord, at, length_mm};
 use crate::place::place;
-use crate::toml_values::{refuse_numbers, with_key};
+use crate::toml_reader;
+use crate::toml_values::with_key;
 
 /// Default of `uncertainty`.
 const UNCERTAINTY_MM: f64 = 0.005;
@@ -150,12 +151,8 @@ impl RepairFile {
     /// # Errors
     /// See [`FileError`].
     pub fn parse(path: &Path, text: &str) -> Result<Self, FileError> {
-        let table = || -> Result<RepairFileTable, Complaint> {
-            toml::from_str(text)
-                .map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_string()))
-        };
         let folder = path.parent().unwrap_or(Path::new(""));
-        let table = refuse_numbers(text).and_then(|()| table());
+        let table = toml_reader::read::<RepairFileTable>(text);
         table.map_err(PartError::Here).and_then(|table| build(&table, path, folder)).map_err(|wrong| match wrong {
             PartError::There(error) => error,
             PartError::Here((offset, message)) => {

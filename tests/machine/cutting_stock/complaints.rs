@@ -19,7 +19,7 @@ fn every_mistake_has_a_place_and_says_what_to_do() {
         ("step = 0.25\n", "step = 0.25\nstl = \"no.stl\"\n", ":13:1: give the workpiece as one of block"),
         ("step = 0.25\n", "step = 0.25\ntarget = \"no.stl\"\n", ":16:10: "),
         ("block = { from = [-10, -10, -12], to = [50, 10, 0] }", "stl = \"job.toml\"", "job.toml: no STL can be read"),
-        ("from = [-10, -10, -12]", "from = [-10, \"1 furlong\", -12]", ":14:18: `1 furlong` is no length"),
+        ("from = [-10, -10, -12]", "from = [-10, \"1 furlong\", -12]", ":14:24: `1 furlong` is no length"),
         (
             "block = { from = [-10, -10, -12], to = [50, 10, 0] }",
             "round = { from = [0,0,0], to = [0,0,0], radius = 5 }",

@@ -6,6 +6,7 @@ use std::io::{BufReader, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
+use toml::de::DeTable;
 
 use super::super::outcome::{Failure, file_failure};
 use super::super::simulate::assertions::Verdict;
@@ -253,9 +254,9 @@ fn column_of(key: &str) -> String {
 
 /// A literal without the quotes of a text.
 fn plain_text(literal: String) -> String {
-    let value = toml::from_str::<toml::Table>(&format!("value = {literal}")).ok();
-    match value.as_ref().and_then(|table| table.get("value")) {
-        Some(toml::Value::String(text)) => text.clone(),
-        _ => literal,
-    }
+    let table = format!("value = {literal}");
+    let text = DeTable::parse(&table)
+        .ok()
+        .and_then(|table| Some(table.get_ref().get("value")?.get_ref().as_str()?.to_owned()));
+    text.unwrap_or(literal)
 }

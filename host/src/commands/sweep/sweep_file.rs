@@ -14,7 +14,7 @@ use super::axis::{Choice, Literal, SweepAxis, Values};
 use super::row::RunStatus;
 use crate::file_error::FileError;
 use crate::place::place;
-use crate::toml_values::{refuse_numbers, with_key};
+use crate::toml_values::{self, with_key};
 
 /// Most runs of a campaign.
 const RUNS_MAX: u64 = 1_000_000_000;
@@ -95,7 +95,7 @@ impl Campaign {
     /// See [`FileError`].
     pub fn load(path: &Path) -> Result<Self, FileError> {
         let text = std::fs::read_to_string(path).map_err(|source| FileError::Read { path: path.into(), source })?;
-        refuse_numbers(&text).and_then(|()| parse(path, &text)).map_err(|complaint| at(path, &text, complaint))
+        parse(path, &text).map_err(|complaint| at(path, &text, complaint))
     }
 
     /// Error at a byte offset of the sweep file, with this message.
@@ -115,8 +115,7 @@ fn at(path: &Path, text: &str, (offset, message): Complaint) -> FileError {
 }
 
 fn parse(path: &Path, text: &str) -> Result<Campaign, Complaint> {
-    let root = DeTable::parse(text)
-        .map_err(|error| (error.span().map_or(0, |span| span.start), error.message().to_owned()))?;
+    let root = toml_values::parse(text)?;
     let mut top = Top::default();
     for (key, value) in root.get_ref() {
         top.read(text, key, value)?;

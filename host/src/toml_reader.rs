@@ -1,0 +1,299 @@
+//! Reading of TOML into types by serde, with the place of each value.
+//!
+//! The deserializer of `toml` shows a table to each type in three ways: as itself, with its place, and as a date. Each is compiled for each of some sixty types of files,
+//! which was a quarter of this crate's code. This one has a single way for all, and the same messages; no file here has dates, and all enums are words.
+
+use std::ops::Range;
+use std::vec;
+
+use serde::de::value::CowStrDeserializer;
+use serde::de::{
+    DeserializeOwned, DeserializeSeed, Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess, Visitor,
+};
+use serde::forward_to_deserialize_any;
+use toml::Spanned;
+use toml::de::{DeString, DeValue};
+
+use crate::toml_values::parse;
+
+/// Reads a file of TOML.
+///
+/// # Errors
+/// Byte offset and description of the first fault; offset 0 for one of the whole file.
+pub fn read<T: DeserializeOwned>(text: &str) -> Result<T, (usize, String)> {
+    let file = parse(text)?;
+    let file = Spanned::new(file.span(), DeValue::Table(file.into_inner()));
+    T::deserialize(Value::new(file)).map_err(|fault| (fault.offset.unwrap_or(0), fault.message))
+}
+
+/// Reason why a value does not suit its type.
+#[derive(Debug, thiserror::Error)]
+#[error("{message}")]
+struct Fault {
+    /// Byte offset of the innermost value that has a place.
+    offset: Option<usize>,
+    message: String,
+}
+
+/// The result, with this place if it is a fault without one.
+fn at<T>(offset: usize, read: Result<T, Fault>) -> Result<T, Fault> {
+    match read {
+        Ok(value) => Ok(value),
+        Err(fault) => Err(Fault { offset: fault.offset.or(Some(offset)), message: fault.message }),
+    }
+}
+
+impl Error for Fault {
+    fn custom<M: std::fmt::Display>(message: M) -> Self {
+        Fault { offset: None, message: message.to_string() }
+    }
+}
+
+/// A value or a key with its place.
+struct Value<'de> {
+    span: Range<usize>,
+    content: Content<'de>,
+}
+
+/// Values by the function of a visitor that takes them.
+enum Content<'de> {
+    Text(DeString<'de>),
+    Integer(i64),
+    Float(f64),
+    Boolean(bool),
+    Items(Items<'de>),
+    Entries(Entries<'de>),
+    /// No type takes this.
+    Wrong(String),
+}
+
+/// Values of an array.
+struct Items<'de>(vec::IntoIter<Spanned<DeValue<'de>>>);
+
+/// Keys of a table, or of a value with its place, each followed by its value.
+struct Entries<'de>(vec::IntoIter<Value<'de>>);
+
+// What is generic in a type is compiled for each: it only calls the rest.
+
+impl<'de> Value<'de> {
+    fn new(value: Spanned<DeValue<'de>>) -> Self {
+        let span = value.span();
+        let content = match value.into_inner() {
+            DeValue::String(text) => Content::Text(text),
+            DeValue::Integer(integer) => match i64::from_str_radix(integer.as_str(), integer.radix()) {
+                Ok(integer) => Content::Integer(integer),
+                Err(error) => Content::Wrong(error.to_string()),
+            },
+            DeValue::Float(float) => match float.as_str().parse() {
+                Ok(float) => Content::Float(float),
+                Err(_) => Content::Wrong(format!("`{float}` is no number")),
+            },
+            DeValue::Boolean(boolean) => Content::Boolean(boolean),
+            DeValue::Datetime(_) => Content::Wrong("a date or time has no meaning here; write a text in quotes".into()),
+            DeValue::Array(values) => Content::Items(Items(values.into_iter())),
+            DeValue::Table(table) => {
+                let entries: Vec<Value<'de>> =
+                    table.into_iter().flat_map(|(key, value)| [Value::key(key), Value::new(value)]).collect();
+                Content::Entries(Entries(entries.into_iter()))
+            }
+        };
+        Value { span, content }
+    }
+
+    fn key(key: Spanned<DeString<'de>>) -> Self {
+        Value { span: key.span(), content: Content::Text(key.into_inner()) }
+    }
+
+    /// Entries of [`Spanned`], from the names of its fields: start, end, value.
+    fn placed(self, [start, end, value]: [&'static str; 3]) -> Entries<'de> {
+        let Range { start: from, end: to } = self.span;
+        let field = |name| Value { span: from..to, content: Content::Text(DeString::Borrowed(name)) };
+        let offset = |offset: usize| Value { span: from..to, content: Content::Integer(offset as i64) };
+        Entries(vec![field(start), offset(from), field(end), offset(to), field(value), self].into_iter())
+    }
+
+    /// Reads a value as the type of a seed.
+    fn given_to<S: DeserializeSeed<'de>>(self, seed: S) -> Result<S::Value, Fault> {
+        let offset = self.span.start;
+        at(offset, seed.deserialize(self))
+    }
+
+    /// Name of an enum's variant.
+    fn variant(self) -> Result<CowStrDeserializer<'de, Fault>, Fault> {
+        match self.content {
+            Content::Text(name) => Ok(name.into_deserializer()),
+            _ => Err(Fault { offset: Some(self.span.start), message: "a word in quotes is needed".into() }),
+        }
+    }
+}
+
+impl<'de> Deserializer<'de> for Value<'de> {
+    type Error = Fault;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        let visited = match self.content {
+            Content::Text(DeString::Borrowed(text)) => visitor.visit_borrowed_str(text),
+            Content::Text(DeString::Owned(text)) => visitor.visit_string(text),
+            Content::Integer(integer) => visitor.visit_i64(integer),
+            Content::Float(float) => visitor.visit_f64(float),
+            Content::Boolean(boolean) => visitor.visit_bool(boolean),
+            Content::Items(items) => visitor.visit_seq(items),
+            Content::Entries(entries) => visitor.visit_map(entries),
+            Content::Wrong(message) => Err(Fault::custom(message)),
+        };
+        at(self.span.start, visited)
+    }
+
+    fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        visitor.visit_some(self)
+    }
+
+    fn deserialize_newtype_struct<V: Visitor<'de>>(self, _: &'static str, visitor: V) -> Result<V::Value, Fault> {
+        visitor.visit_newtype_struct(self)
+    }
+
+    fn deserialize_struct<V: Visitor<'de>>(
+        self,
+        name: &'static str,
+        fields: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        match fields {
+            [start, end, value] if serde_spanned::de::is_spanned(name) => {
+                visitor.visit_map(self.placed([start, end, value]))
+            }
+            _ => self.deserialize_any(visitor),
+        }
+    }
+
+    /// An enum from the name of a variant.
+    fn deserialize_enum<V: Visitor<'de>>(
+        self,
+        _: &'static str,
+        _: &'static [&'static str],
+        visitor: V,
+    ) -> Result<V::Value, Fault> {
+        let offset = self.span.start;
+        at(offset, visitor.visit_enum(self.variant()?))
+    }
+
+    forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 u8 u16 u32 u64 f32 f64 char str string bytes byte_buf unit unit_struct seq tuple tuple_struct map identifier ignored_any
+    }
+}
+
+impl<'de> SeqAccess<'de> for Items<'de> {
+    type Error = Fault;
+
+    fn next_element_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, Fault> {
+        match self.0.next().map(Value::new) {
+            Some(value) => value.given_to(seed).map(Some),
+            None => Ok(None),
+        }
+    }
+}
+
+impl<'de> MapAccess<'de> for Entries<'de> {
+    type Error = Fault;
+
+    fn next_key_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, Fault> {
+        match self.0.next() {
+            Some(key) => key.given_to(seed).map(Some),
+            None => Ok(None),
+        }
+    }
+
+    fn next_value_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<S::Value, Fault> {
+        match self.0.next() {
+            Some(value) => value.given_to(seed),
+            None => Err(Fault::custom("a value is taken before its key")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeMap;
+
+    use serde::Deserialize;
+
+    use super::*;
+
+    #[derive(Debug, PartialEq, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct File {
+        count: u16,
+        text: Option<Spanned<String>>,
+        word: Option<Spanned<Word>>,
+        #[serde(default)]
+        ratios: Vec<Spanned<f64>>,
+        pair: Option<Spanned<[f64; 2]>>,
+        #[serde(default)]
+        named: BTreeMap<Spanned<String>, bool>,
+        inner: Option<Spanned<Inner>>,
+        #[serde(default)]
+        many: Vec<Inner>,
+    }
+
+    #[derive(Debug, PartialEq, Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    enum Word {
+        One,
+        Other,
+    }
+
+    #[derive(Debug, PartialEq, Deserialize)]
+    #[serde(deny_unknown_fields)]
+    struct Inner {
+        at: Spanned<i64>,
+    }
+
+    #[test]
+    fn files_and_faults_are_those_of_the_deserializer_of_toml() {
+        let texts = [
+            "count = 7",
+            "count = 0x10\ntext = 'a'\nword = \"other\"\nratios = [1, 2.5, -3e2]\npair = [1, 2.0]",
+            "count = 1_000\ntext = \"a\\tb\"\n[named]\na = true\n\"b\\u0063\" = false\n[inner]\nat = -3",
+            "count = 1\ninner.at = 2\n[[many]]\nat = 1\n[[many]]\nat = 2",
+            "inner = { at = 1 }\ncount = 2\nmany = [{ at = 5 }]",
+            "",
+            "count = 70000",
+            "count = -1",
+            "count = 1.5",
+            "count = \"7\"",
+            "count = 1\ncounts = 2",
+            "count = 1\nword = \"third\"",
+            "count = 1\ntext = 3",
+            "count = 1\nratios = 3",
+            "count = 1\nratios = [1, \"2\"]",
+            "count = 1\npair = [1]",
+            "count = 1\npair = [1, 2, 3]",
+            "count = 1\nnamed = { a = 1 }",
+            "count = 1\ninner = 3",
+            "count = 1\n[inner]",
+            "count = 1\n[inner]\nat = 1\nfor = 2",
+            "count = 1\n[[many]]\nat = 1\n[[many]]",
+            "count = 1\n[many]\nat = 1",
+            "count = 1\ncount = 2",
+            "count = ",
+        ];
+        for text in texts {
+            let theirs: Result<File, toml::de::Error> = toml::from_str(text);
+            let theirs = theirs.map_err(|error| (error.span().map_or(0, |s| s.start), error.message().to_owned()));
+            assert_eq!(read::<File>(text), theirs, "{text}");
+        }
+    }
+
+    #[test]
+    fn what_no_type_takes_is_refused_at_its_place() {
+        for (text, part, message) in [
+            ("count = 1\nword = 3", "3", "a word in quotes is needed"),
+            ("count = 1\nword = { one = 3 }", "{", "a word in quotes is needed"),
+            ("count = 1979-05-27", "1979", "a date or time has no meaning here; write a text in quotes"),
+            ("count = 1e10", "1e10", "a number between -1e9 and 1e9 is needed; write one, or remove the key"),
+        ] {
+            let offset = text.find(part).expect("it is in the text");
+            assert_eq!(read::<File>(text), Err((offset, message.to_owned())), "{text}");
+        }
+    }
+}
