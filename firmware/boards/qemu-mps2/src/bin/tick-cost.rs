@@ -6,7 +6,7 @@
 //! ```text
 //! tick-LAW      ticks on which the law has a demand, the first of each block too; all ticks where it never has one
 //! rest-LAW      the others: rapids, blocks without a rule, refusals
-//! prepare-LAW   taking up a block, outside the tick; for the table the law that its knots are from is asked too
+//! prepare-LAW   taking up a block, outside the tick
 //! stack-LAW     `bytes N`: stack that a tick used, below this program's own frames
 //! ```
 //!
@@ -135,8 +135,9 @@ fn count(case: &Case, counter: &InstructionCounter, mut also: impl FnMut(&Block,
             let rule = next.cut(&case.job);
             board.segment = next.segment.as_ref().map(|segment| {
                 let conditions = Conditions::of(segment, rule, &case.job);
-                let (cost, active) = counter.of(|| match (case.other_law)(next, &case.job) {
-                    Some(law) => ActiveSegment::with_law(segment, &law, &conditions, &case.job),
+                let other_law = (case.other_law)(next, &case.job);
+                let (cost, active) = counter.of(|| match &other_law {
+                    Some(law) => ActiveSegment::with_law(segment, law, &conditions, &case.job),
                     None => ActiveSegment::with_conditions(segment, &conditions, &case.job),
                 });
                 figures.prepare.add(cost);
