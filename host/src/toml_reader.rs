@@ -70,6 +70,15 @@ enum Content<'de> {
 /// Values of an array.
 struct Items<'de>(vec::IntoIter<Spanned<DeValue<'de>>>);
 
+impl Items<'_> {
+    /// Refuses values that are left when the type has all that it needs.
+    fn end(&self, all: usize) -> Result<(), Fault> {
+        let Some(first) = self.0.as_slice().first() else { return Ok(()) };
+        let message = format!("{} values are needed here, not {all}", all - self.0.len());
+        Err(Fault { offset: Some(first.span().start), message })
+    }
+}
+
 /// Keys of a table, or of a value with its place, each followed by its value.
 struct Entries<'de>(vec::IntoIter<Value<'de>>);
 
@@ -137,7 +146,10 @@ impl<'de> Deserializer<'de> for Value<'de> {
             Content::Integer(integer) => visitor.visit_i64(integer),
             Content::Float(float) => visitor.visit_f64(float),
             Content::Boolean(boolean) => visitor.visit_bool(boolean),
-            Content::Items(items) => visitor.visit_seq(items),
+            Content::Items(mut items) => {
+                let all = items.0.len();
+                visitor.visit_seq(&mut items).and_then(|read| items.end(all).map(|()| read))
+            }
             Content::Entries(entries) => visitor.visit_map(entries),
             Content::Wrong(message) => Err(Fault::custom(message)),
         };
@@ -182,7 +194,7 @@ impl<'de> Deserializer<'de> for Value<'de> {
     }
 }
 
-impl<'de> SeqAccess<'de> for Items<'de> {
+impl<'de> SeqAccess<'de> for &mut Items<'de> {
     type Error = Fault;
 
     fn next_element_seed<S: DeserializeSeed<'de>>(&mut self, seed: S) -> Result<Option<S::Value>, Fault> {
@@ -267,7 +279,6 @@ mod tests {
             "count = 1\nratios = 3",
             "count = 1\nratios = [1, \"2\"]",
             "count = 1\npair = [1]",
-            "count = 1\npair = [1, 2, 3]",
             "count = 1\nnamed = { a = 1 }",
             "count = 1\ninner = 3",
             "count = 1\n[inner]",
@@ -289,6 +300,7 @@ mod tests {
         for (text, part, message) in [
             ("count = 1\nword = 3", "3", "a word in quotes is needed"),
             ("count = 1\nword = { one = 3 }", "{", "a word in quotes is needed"),
+            ("count = 1\npair = [1, 2, 3]", "3", "2 values are needed here, not 3"),
             ("count = 1979-05-27", "1979", "a date or time has no meaning here; write a text in quotes"),
             ("count = 1e10", "1e10", "a number between -1e9 and 1e9 is needed; write one, or remove the key"),
         ] {
