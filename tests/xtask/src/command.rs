@@ -10,6 +10,8 @@ use wait4::Wait4;
 
 /// A command that takes less is not worth a line.
 const WORTH_A_LINE: Duration = Duration::from_secs(10);
+/// Words of a command that a line shows: a part of the tests is hundreds of names.
+const SHOWN_MAX: usize = 14;
 
 /// A step that failed.
 #[derive(Debug)]
@@ -119,6 +121,9 @@ pub fn build_dir() -> Result<PathBuf, Failure> {
 /// A command as one would type it: without the path to the program.
 fn shown(command: &Command) -> String {
     let name = Path::new(command.get_program()).file_stem().unwrap_or(command.get_program());
-    let words = std::iter::once(name).chain(command.get_args());
-    words.map(|word| word.to_string_lossy()).collect::<Vec<_>>().join(" ")
+    let words: Vec<_> = std::iter::once(name).chain(command.get_args()).map(|word| word.to_string_lossy()).collect();
+    match words.split_at_checked(SHOWN_MAX) {
+        Some((first, rest)) if !rest.is_empty() => format!("{} and {} words more", first.join(" "), rest.len()),
+        _ => words.join(" "),
+    }
 }

@@ -121,21 +121,21 @@ impl Selection {
     pub fn runs(&self) -> Result<Vec<Vec<String>>, Failure> {
         let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();
         let all = words(&["test", "--workspace", "--no-fail-fast"]);
+        let programs = PROGRAMS.iter().map(|program| vec!["--test", program]).chain([vec!["--lib", "--bins"]]);
+        let programs = programs.map(|which| [all.clone(), words(&which)].concat());
+        let examples_of_the_docs = [all.clone(), words(&["--doc"])].concat();
         match self {
-            Selection::All => {
-                let programs = PROGRAMS.iter().map(|program| [all.clone(), words(&["--test", program])].concat());
-                let others = [["--lib", "--bins"].as_slice(), &["--doc"]];
-                Ok(programs.chain(others.map(|others| [all.clone(), words(others)].concat())).collect())
-            }
+            Selection::All => Ok(programs.chain([examples_of_the_docs]).collect()),
             Selection::Quick => {
                 let skips = SLOW.iter().flat_map(|name| words(&["--skip", name])).collect();
                 Ok(vec![[all, words(&QUICK), words(&["--"]), skips].concat()])
             }
             Selection::Partition(partition) => {
                 let names = listed()?.into_iter().filter(|name| partition.has(name)).collect();
-                let tests = [all.clone(), words(&["--tests", "--", "--exact"]), names].concat();
-                let examples_of_the_docs = [all, words(&["--doc"])].concat();
-                Ok(if partition.is_first() { vec![tests, examples_of_the_docs] } else { vec![tests] })
+                // Each program is given the names of all, and leaves out what it does not have.
+                let names = [words(&["--", "--exact"]), names].concat();
+                let tests = programs.map(|program| [program, names.clone()].concat());
+                Ok(tests.chain(partition.is_first().then_some(examples_of_the_docs)).collect())
             }
         }
     }

@@ -115,7 +115,8 @@ fn run_tests(selection: &Selection, tally: &mut Tally) -> Result<(), Failure> {
     let waiting = Mutex::new(others.into_iter());
     let (tally_of_all, results) = (Mutex::new(&mut *tally), Mutex::new(Vec::new()));
     let run_one = |arguments: Vec<String>| {
-        let printed = log.with_file_name(format!("xtask-{}.log", arguments.last().map_or("tests", String::as_str)));
+        let program = arguments.iter().take_while(|argument| *argument != "--").last();
+        let printed = log.with_file_name(format!("xtask-{}.log", program.map_or("tests", String::as_str)));
         let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
         let mut tests = cargo(&arguments);
         let ended = run_into(tests.env(SKIP_LOG, &log).env(THREADS, &threads), &printed);
