@@ -39,7 +39,7 @@ use toml::Spanned;
 
 use crate::files;
 use crate::place::place;
-use crate::toml_reader::read;
+use crate::toml_reader;
 use crate::toml_values::with_key;
 
 #[derive(Debug, Deserialize)]
@@ -200,7 +200,7 @@ pub fn load(preset: Preset, reading: Reading, file: Option<&Path>) -> Result<Loa
 }
 
 fn parse(preset: Preset, reading: Reading, text: &str) -> Result<LoadedSettings, (usize, String)> {
-    let file: SettingsFile = read(text)?;
+    let file: SettingsFile = toml_reader::read(text)?;
     let unit = match file.unit {
         Some(Unit::Mm) => LengthUnit::Mm,
         Some(Unit::Inch) | None => LengthUnit::Inch,

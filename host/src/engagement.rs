@@ -22,7 +22,7 @@ use crate::checksum::fingerprint;
 use crate::file_error::FileError;
 use crate::files;
 use crate::place::place;
-use crate::toml_reader::read;
+use crate::toml_reader;
 use sections::{DescentTables, MappedDescents};
 
 /// Remedy for nearly every fault.
@@ -130,8 +130,8 @@ impl EngagementMap {
     }
 
     fn parse(text: &str, made_of: u64) -> Result<Self, (usize, String)> {
-        let table: MapTable =
-            read(text).map_err(|(offset, message)| (offset, format!("no engagement map: {message}; {AGAIN}")))?;
+        let table: MapTable = toml_reader::read(text)
+            .map_err(|(offset, message)| (offset, format!("no engagement map: {message}; {AGAIN}")))?;
         if hex(&table.made_of) != Some(made_of) {
             let message = format!("this map is of another program, tool or workpiece than the job's; {AGAIN}");
             return Err((table.made_of.span().start, message));

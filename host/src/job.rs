@@ -55,7 +55,7 @@ use crate::files;
 use crate::key_values::{self, KeyValue};
 use crate::machine_file::MachineFile;
 use crate::place::place;
-use crate::toml_reader::read;
+use crate::toml_reader;
 use crate::toml_values::with_key;
 pub use arcfeed_port::settings::{Parity, SerialSettings};
 pub use control_kind::ControlKind;
@@ -248,7 +248,7 @@ impl JobFile {
     /// The same with values in place of those of the machine's file.
     fn parse_with(path: &Path, text: &str, of_machine: &[KeyValue]) -> Result<Self, FileError> {
         questions::refuse_open(text)
-            .and_then(|()| read::<JobTable>(text))
+            .and_then(|()| toml_reader::read::<JobTable>(text))
             .and_then(|table| {
                 let file = build(&table, path.parent().unwrap_or(Path::new("")), of_machine)?;
                 let rule_places = rules::tables(&table).map(|(_, cut)| place(text, cut.span().start)).collect();

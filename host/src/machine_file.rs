@@ -47,7 +47,7 @@ use toml::Spanned;
 use crate::files;
 use crate::key_values::{KeyValue, with_values};
 use crate::place::place;
-use crate::toml_reader::read;
+use crate::toml_reader;
 use crate::toml_values::with_key;
 
 use drives::{DriveError, DriveValues, Drives, Loops, SpindleRamps, Tolerance};
@@ -159,7 +159,7 @@ impl MachineFile {
             let [line, column] = place(text, offset);
             format!("{line}:{column}: {}", with_key(text, offset, &message))
         };
-        let table: MachineTable = read(text).map_err(|(offset, message)| at(offset, message))?;
+        let table: MachineTable = toml_reader::read(text).map_err(|(offset, message)| at(offset, message))?;
         let LinearTables { X, Y, Z } = &table.linear;
         let linear = [X, Y, Z].map(|axis| linear_axis(axis.as_ref()));
         let rotary = table.rotary.each_ref().map(|axis| rotary_axis(axis.as_ref()));

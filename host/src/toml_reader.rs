@@ -82,7 +82,7 @@ impl Items<'_> {
 /// Keys of a table, or of a value with its place, each followed by its value.
 struct Entries<'de>(vec::IntoIter<Value<'de>>);
 
-// What is generic in a type is compiled for each: it only calls the rest.
+// Generic functions are compiled for each type that is read: whatever does not depend on that type is in functions that are not generic.
 
 impl<'de> Value<'de> {
     fn new(value: Spanned<DeValue<'de>>) -> Self {

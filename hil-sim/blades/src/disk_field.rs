@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use arcfeed_modal::fe::body::Modes;
-use arcfeed_modal::fe::field::{Field, settled_mm};
+use arcfeed_modal::fe::field::{Field, material_point_mm};
 use arcfeed_modal::fe::locate::TooFar;
 use arcfeed_modal::fe::modal_point::ModalPoint;
 use arcfeed_modal::flexible::Modal;
@@ -47,11 +47,6 @@ impl DiskField {
         }
     }
 
-    /// Angular frequencies of the modes, rad/s.
-    pub fn omega_rad_per_s(&self) -> &[f64] {
-        &self.omega_rad_per_s
-    }
-
     /// Sets `modal_point` to the mode shapes at a point of the undeformed disk; returns the point's distance outside the disk, mm.
     ///
     /// # Errors
@@ -60,17 +55,6 @@ impl DiskField {
         let found =
             self.search_sectors(point_mm, modal_point, |in_first_mm, other| self.sector.at(in_first_mm, other).ok());
         found.ok_or(TooFar { point_mm })
-    }
-
-    /// Largest distance, mm, of points outside the disk for which mode shapes are extrapolated.
-    pub fn reach_mm(&self) -> f64 {
-        self.sector.reach_mm()
-    }
-
-    /// Sets `modal_point` to a point of the disk or near it, as [`Field::at_nearest`] does for a body.
-    pub fn at_nearest(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) -> f64 {
-        let carried = |in_first_mm, other: &mut ModalPoint| Some(self.sector.at_nearest(in_first_mm, beyond_mm, other));
-        self.search_sectors(point_mm, modal_point, carried).unwrap_or(f64::INFINITY)
     }
 
     /// Sets `modal_point` in the sector where the point is least outside, from a search in the first sector.
@@ -124,23 +108,22 @@ impl DiskField {
         amplitudes: &[f64],
         modal_point: &mut ModalPoint,
     ) -> Result<[f64; 3], TooFar> {
-        settled_mm(now_mm, modal_point.displacement_mm(amplitudes), |point_mm| {
-            self.at(point_mm, modal_point)?;
-            Ok(modal_point.displacement_mm(amplitudes))
-        })
+        material_point_mm(now_mm, amplitudes, modal_point, |point_mm, modal_point| self.at(point_mm, modal_point))
     }
 }
 
 impl Modal for DiskField {
     fn omega_rad_per_s(&self) -> &[f64] {
-        self.omega_rad_per_s()
+        &self.omega_rad_per_s
     }
 
     fn reach_mm(&self) -> f64 {
-        self.reach_mm()
+        self.sector.reach_mm()
     }
 
     fn evaluate_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) {
-        self.at_nearest(point_mm, beyond_mm, modal_point);
+        self.search_sectors(point_mm, modal_point, |in_first_mm, other| {
+            Some(self.sector.at_nearest(in_first_mm, beyond_mm, other))
+        });
     }
 }

@@ -10,6 +10,7 @@ use arcfeed_modal::fe::mesh::TetMesh;
 use arcfeed_modal::fe::modal_point::ModalPoint;
 use arcfeed_modal::fe::sparse::Sparse;
 use arcfeed_modal::fe::unknowns::Unknowns;
+use arcfeed_modal::flexible::Modal;
 
 use crate::fe::at_nodes::unknowns_of_nodes;
 use crate::fe::solver::all_of_dense;

@@ -44,7 +44,7 @@ impl Modal for Blisk {
     }
 
     fn evaluate_at(&self, [x_mm, y_mm, z_mm]: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) {
-        self.disk.at_nearest([DISK.rim_radius_mm + z_mm, y_mm, -x_mm], beyond_mm, modal_point);
+        self.disk.evaluate_at([DISK.rim_radius_mm + z_mm, y_mm, -x_mm], beyond_mm, modal_point);
         modal_point.shapes.iter_mut().for_each(|shape| *shape = [-shape[2], shape[1], shape[0]]);
     }
 }

@@ -113,23 +113,28 @@ impl Field {
         amplitudes: &[f64],
         modal_point: &mut ModalPoint,
     ) -> Result<[f64; 3], TooFar> {
-        settled_mm(now_mm, modal_point.displacement_mm(amplitudes), |point_mm| {
-            self.at(point_mm, modal_point)?;
-            Ok(modal_point.displacement_mm(amplitudes))
-        })
+        material_point_mm(now_mm, amplitudes, modal_point, |point_mm, modal_point| self.at(point_mm, modal_point))
     }
 }
 
-/// Iteration (3) with the given u, starting from the displacement of a point nearby.
-pub fn settled_mm(
+/// Iteration (3) of [`Field::material_point_mm`] for any body; `at` is its [`Field::at`].
+///
+/// # Errors
+/// The same as for `at`.
+pub fn material_point_mm(
     now_mm: [f64; 3],
-    near_mm: [f64; 3],
-    mut displacement_mm: impl FnMut([f64; 3]) -> Result<[f64; 3], TooFar>,
+    amplitudes: &[f64],
+    modal_point: &mut ModalPoint,
+    at: impl Fn([f64; 3], &mut ModalPoint) -> Result<f64, TooFar>,
 ) -> Result<[f64; 3], TooFar> {
-    let before = |u_mm: [f64; 3]| -> [f64; 3] { std::array::from_fn(|axis| now_mm[axis] - u_mm[axis]) };
-    let mut point_mm = before(near_mm);
+    let before = |modal_point: &ModalPoint| -> [f64; 3] {
+        let u_mm = modal_point.displacement_mm(amplitudes);
+        std::array::from_fn(|axis| now_mm[axis] - u_mm[axis])
+    };
+    let mut point_mm = before(modal_point);
     for _ in 0..ROUNDS {
-        let next_mm = before(displacement_mm(point_mm)?); // (3)
+        at(point_mm, modal_point)?;
+        let next_mm = before(modal_point); // (3)
         let moved_mm = (0..3).map(|axis| (next_mm[axis] - point_mm[axis]).abs()).fold(0.0, f64::max);
         point_mm = next_mm;
         if moved_mm < STILL_MM {
