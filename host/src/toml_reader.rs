@@ -1,14 +1,16 @@
 //! Reading of TOML into types by serde, with the place of each value.
 //!
 //! The deserializer of `toml` shows a table to each type in three ways: as itself, with its place, and as a date. Each is compiled for each of some sixty types of files,
-//! which was a quarter of this crate's code. This one has a single way for all, and the same messages; no file here has dates, and all enums are words.
+//! which was a quarter of this crate's code. This one has a single way for all and calls only the function of a visitor that its type takes, with the same messages; no file here has dates, and all
+//! enums are words.
 
 use std::ops::Range;
 use std::vec;
 
 use serde::de::value::CowStrDeserializer;
 use serde::de::{
-    DeserializeOwned, DeserializeSeed, Deserializer, Error, IntoDeserializer, MapAccess, SeqAccess, Visitor,
+    DeserializeOwned, DeserializeSeed, Deserializer, Error, Expected, IntoDeserializer, MapAccess, SeqAccess,
+    Unexpected, Visitor,
 };
 use serde::forward_to_deserialize_any;
 use toml::Spanned;
@@ -33,14 +35,6 @@ struct Fault {
     /// Byte offset of the innermost value that has a place.
     offset: Option<usize>,
     message: String,
-}
-
-/// The result, with this place if it is a fault without one.
-fn at<T>(offset: usize, read: Result<T, Fault>) -> Result<T, Fault> {
-    match read {
-        Ok(value) => Ok(value),
-        Err(fault) => Err(Fault { offset: fault.offset.or(Some(offset)), message: fault.message }),
-    }
 }
 
 impl Error for Fault {
@@ -121,39 +115,106 @@ impl<'de> Value<'de> {
         Entries(vec![field(start), offset(from), field(end), offset(to), field(value), self].into_iter())
     }
 
-    /// Reads a value as the type of a seed.
+    /// Reads a value as the type of a seed. A fault without a place gets this one.
     fn given_to<S: DeserializeSeed<'de>>(self, seed: S) -> Result<S::Value, Fault> {
         let offset = self.span.start;
-        at(offset, seed.deserialize(self))
+        seed.deserialize(self).map_err(|fault| Fault { offset: fault.offset.or(Some(offset)), ..fault })
     }
 
     /// Name of an enum's variant.
     fn variant(self) -> Result<CowStrDeserializer<'de, Fault>, Fault> {
         match self.content {
             Content::Text(name) => Ok(name.into_deserializer()),
-            _ => Err(Fault { offset: Some(self.span.start), message: "a word in quotes is needed".into() }),
+            _ => Err(Fault::custom("a word in quotes is needed")),
         }
     }
+}
+
+impl Content<'_> {
+    /// Why this does not suit a type.
+    #[cold]
+    fn unsuited(self, expected: &dyn Expected) -> Fault {
+        let found = match &self {
+            Content::Text(text) => Unexpected::Str(text),
+            Content::Integer(integer) => Unexpected::Signed(*integer),
+            Content::Float(float) => Unexpected::Float(*float),
+            Content::Boolean(boolean) => Unexpected::Bool(*boolean),
+            Content::Items(_) => Unexpected::Seq,
+            Content::Entries(_) => Unexpected::Map,
+            Content::Wrong(message) => return Fault::custom(message),
+        };
+        Fault::invalid_type(found, expected)
+    }
+}
+
+/// Functions of the same content as another: a visitor says itself which numbers it has no room for.
+macro_rules! as_types {
+    ($other:ident for $($function:ident)*) => {
+        $(fn $function<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+            self.$other(visitor)
+        })*
+    };
 }
 
 impl<'de> Deserializer<'de> for Value<'de> {
     type Error = Fault;
 
     fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
-        let visited = match self.content {
+        match self.content {
+            Content::Text(_) => self.deserialize_str(visitor),
+            Content::Integer(_) | Content::Float(_) => self.deserialize_f64(visitor),
+            Content::Boolean(_) => self.deserialize_bool(visitor),
+            Content::Items(_) => self.deserialize_seq(visitor),
+            Content::Entries(_) | Content::Wrong(_) => self.deserialize_map(visitor),
+        }
+    }
+
+    fn deserialize_str<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match self.content {
             Content::Text(DeString::Borrowed(text)) => visitor.visit_borrowed_str(text),
             Content::Text(DeString::Owned(text)) => visitor.visit_string(text),
+            other => Err(other.unsuited(&visitor)),
+        }
+    }
+
+    fn deserialize_i64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match self.content {
+            Content::Integer(integer) => visitor.visit_i64(integer),
+            other => Err(other.unsuited(&visitor)),
+        }
+    }
+
+    fn deserialize_f64<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match self.content {
             Content::Integer(integer) => visitor.visit_i64(integer),
             Content::Float(float) => visitor.visit_f64(float),
+            other => Err(other.unsuited(&visitor)),
+        }
+    }
+
+    fn deserialize_bool<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match self.content {
             Content::Boolean(boolean) => visitor.visit_bool(boolean),
+            other => Err(other.unsuited(&visitor)),
+        }
+    }
+
+    fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match self.content {
             Content::Items(mut items) => {
                 let all = items.0.len();
-                visitor.visit_seq(&mut items).and_then(|read| items.end(all).map(|()| read))
+                let read = visitor.visit_seq(&mut items)?;
+                items.end(all).map(|()| read)
             }
+            other => Err(other.unsuited(&visitor)),
+        }
+    }
+
+    fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        match self.content {
             Content::Entries(entries) => visitor.visit_map(entries),
-            Content::Wrong(message) => Err(Fault::custom(message)),
-        };
-        at(self.span.start, visited)
+            other => Err(other.unsuited(&visitor)),
+        }
     }
 
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
@@ -174,7 +235,7 @@ impl<'de> Deserializer<'de> for Value<'de> {
             [start, end, value] if serde_spanned::de::is_spanned(name) => {
                 visitor.visit_map(self.placed([start, end, value]))
             }
-            _ => self.deserialize_any(visitor),
+            _ => self.deserialize_map(visitor),
         }
     }
 
@@ -185,13 +246,22 @@ impl<'de> Deserializer<'de> for Value<'de> {
         _: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Fault> {
-        let offset = self.span.start;
-        at(offset, visitor.visit_enum(self.variant()?))
+        visitor.visit_enum(self.variant()?)
     }
 
-    forward_to_deserialize_any! {
-        bool i8 i16 i32 i64 u8 u16 u32 u64 f32 f64 char str string bytes byte_buf unit unit_struct seq tuple tuple_struct map identifier ignored_any
+    fn deserialize_ignored_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Fault> {
+        visitor.visit_unit()
     }
+
+    fn deserialize_tuple<V: Visitor<'de>>(self, _: usize, visitor: V) -> Result<V::Value, Fault> {
+        self.deserialize_seq(visitor)
+    }
+
+    as_types! { deserialize_str for deserialize_string deserialize_identifier }
+    as_types! { deserialize_i64 for deserialize_i8 deserialize_i16 deserialize_i32 deserialize_u8 deserialize_u16 deserialize_u32 deserialize_u64 }
+    as_types! { deserialize_f64 for deserialize_f32 }
+
+    forward_to_deserialize_any! { char bytes byte_buf unit unit_struct tuple_struct }
 }
 
 impl<'de> SeqAccess<'de> for &mut Items<'de> {
@@ -298,6 +368,7 @@ mod tests {
     #[test]
     fn what_no_type_takes_is_refused_at_its_place() {
         for (text, part, message) in [
+            ("count = 1\ninner = [1]", "[", "invalid type: sequence, expected struct Inner"),
             ("count = 1\nword = 3", "3", "a word in quotes is needed"),
             ("count = 1\nword = { one = 3 }", "{", "a word in quotes is needed"),
             ("count = 1\npair = [1, 2, 3]", "3", "2 values are needed here, not 3"),
