@@ -10,8 +10,15 @@ use crate::source::{CHIP, HOST, SIMULATOR, Source, read, rust_files, rust_files_
 const LAYERS: [&str; 5] = ["shared", "firmware", "hil-sim", "host", "tests"];
 
 /// Crates of the simulator.
-const SIMULATOR_CRATES: [&str; 6] =
-    ["arcfeed_control", "arcfeed_dexel", "arcfeed_modal", "arcfeed_milling", "arcfeed_blades", "arcfeed_hil_sim"];
+const SIMULATOR_CRATES: [&str; 7] = [
+    "arcfeed_control",
+    "arcfeed_dexel",
+    "arcfeed_modal",
+    "arcfeed_fe",
+    "arcfeed_milling",
+    "arcfeed_blades",
+    "arcfeed_hil_sim",
+];
 
 /// Crates that can be used without the rest, and those of ours that they bring along.
 const ALONE: [(&str, &[&str]); 8] = [
@@ -26,7 +33,7 @@ const ALONE: [(&str, &[&str]); 8] = [
 ];
 
 /// Crates that measure the cut: they know no feed law.
-const MEASURING: [&str; 4] = ["arcfeed-dexel", "arcfeed-modal", "arcfeed-milling", "arcfeed-blades"];
+const MEASURING: [&str; 5] = ["arcfeed-dexel", "arcfeed-modal", "arcfeed-fe", "arcfeed-milling", "arcfeed-blades"];
 
 /// Files or folders in which the host composes the simulator for `sim:`.
 const COMPOSITION_ROOT: [&str; 7] = [

@@ -61,10 +61,11 @@ pub const CHIP: [&str; 11] = [
     "firmware/c/src",
 ];
 /// Folders of sources of the simulator.
-pub const SIMULATOR: [&str; 6] = [
+pub const SIMULATOR: [&str; 7] = [
     "hil-sim/control/src",
     "hil-sim/dexel/src",
     "hil-sim/modal/src",
+    "hil-sim/fe/src",
     "hil-sim/milling/src",
     "hil-sim/blades/src",
     "hil-sim/src",

@@ -10,13 +10,13 @@ use arcfeed_blades::blade::Blade;
 use arcfeed_blades::cyclic::Sector;
 use arcfeed_blades::disk::{BladedDisk, SectorCells};
 use arcfeed_blades::disk_field::DiskField;
-use arcfeed_modal::fe::body::Body;
-use arcfeed_modal::fe::field::Field;
-use arcfeed_modal::fe::locate::TooFar;
-use arcfeed_modal::fe::material::{STEEL, TITANIUM_6AL_4V};
-use arcfeed_modal::fe::modal_point::ModalPoint;
-use arcfeed_modal::fe::sparse::Factor;
-use arcfeed_modal::fe::unknowns::Unknowns;
+use arcfeed_fe::body::Body;
+use arcfeed_fe::field::Field;
+use arcfeed_fe::locate::TooFar;
+use arcfeed_fe::material::{STEEL, TITANIUM_6AL_4V};
+use arcfeed_fe::sparse::Factor;
+use arcfeed_fe::unknowns::Unknowns;
+use arcfeed_modal::modal_point::ModalPoint;
 
 type Error = Box<dyn std::error::Error>;
 

@@ -15,11 +15,11 @@
 
 use nalgebra::{DMatrix, Matrix4, RowVector4, SymmetricEigen};
 
+use arcfeed_fe::eigen::EigenError;
+use arcfeed_fe::material::ElasticMaterial;
 use arcfeed_modal::dynamics::modal::{Mode, ModeError};
-use arcfeed_modal::fe::eigen::EigenError;
-use arcfeed_modal::fe::material::ElasticMaterial;
-use arcfeed_modal::fe::modal_point::ModalPoint;
 use arcfeed_modal::flexible::modes_at;
+use arcfeed_modal::modal_point::ModalPoint;
 use arcfeed_units::T_PER_KG;
 
 /// Cylindrical section of a tool that is modelled as a beam.

@@ -12,7 +12,7 @@
 //! (1) and (2): a circle through both ends of the chord. (3) is a parabola, which a quadratic element represents
 //! exactly.
 
-use arcfeed_modal::fe::mesh::{TetMesh, TetMeshError, graded};
+use arcfeed_fe::mesh::{TetMesh, TetMeshError, graded};
 
 /// Angle of camber below which the middle line is straight.
 const STRAIGHT_RAD: f64 = 1e-9;

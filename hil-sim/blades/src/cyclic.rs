@@ -18,11 +18,11 @@
 use std::f64::consts::TAU;
 use std::fmt;
 
-use arcfeed_modal::fe::body::Body;
-use arcfeed_modal::fe::eigen::{EigenError, Eigenpair, lowest};
-use arcfeed_modal::fe::material::ElasticMaterial;
-use arcfeed_modal::fe::mesh::TetMesh;
-use arcfeed_modal::fe::unknowns::{MappingRow, Unknowns, numbers};
+use arcfeed_fe::body::Body;
+use arcfeed_fe::eigen::{EigenError, Eigenpair, lowest};
+use arcfeed_fe::material::ElasticMaterial;
+use arcfeed_fe::mesh::TetMesh;
+use arcfeed_fe::unknowns::{MappingRow, Unknowns, numbers};
 
 use crate::disk::turned;
 

@@ -3,7 +3,7 @@
 //!
 //! Frame: the disk's axis is z, the first sector's middle points along x. Lattice: around, along the axis, outwards.
 
-use arcfeed_modal::fe::mesh::{HalfCells, TetMesh, TetMeshError};
+use arcfeed_fe::mesh::{HalfCells, TetMesh, TetMeshError};
 
 /// A bladed disk, by its dimensions.
 #[derive(Clone, Copy, Debug, PartialEq)]

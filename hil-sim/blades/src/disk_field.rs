@@ -2,11 +2,11 @@
 
 use std::f64::consts::TAU;
 
-use arcfeed_modal::fe::body::Modes;
-use arcfeed_modal::fe::field::{Field, material_point_mm};
-use arcfeed_modal::fe::locate::TooFar;
-use arcfeed_modal::fe::modal_point::ModalPoint;
+use arcfeed_fe::body::Modes;
+use arcfeed_fe::field::{Field, material_point_mm};
+use arcfeed_fe::locate::TooFar;
 use arcfeed_modal::flexible::Modal;
+use arcfeed_modal::modal_point::ModalPoint;
 
 use crate::cyclic::{Sector, Wave};
 use crate::disk::turned_by;

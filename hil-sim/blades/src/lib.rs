@@ -2,7 +2,7 @@
 //!
 //! Blades and the tools that finish them: modes, and the surface that is left.
 //!
-//! [`beam`], [`blade`] and [`disk`] are shapes for the finite elements of `arcfeed-modal`; [`cyclic`] and [`disk_field`] compute the modes of a disk from one
+//! [`beam`], [`blade`] and [`disk`] are shapes for the finite elements of `arcfeed-fe`; [`cyclic`] and [`disk_field`] compute the modes of a disk from one
 //! sector. A [`finishing`] pass along a blade leaves marks.
 
 pub mod beam;

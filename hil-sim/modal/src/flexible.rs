@@ -8,17 +8,17 @@
 //! section 4.3.
 
 use std::f64::consts::TAU;
+use std::fmt::Debug;
 use std::sync::Arc;
 
 use arcfeed_units::T_PER_KG;
 use nalgebra::Vector3;
 
 use crate::dynamics::modal::{Mode, ModeError};
-use crate::fe::field::Field;
-use crate::fe::modal_point::ModalPoint;
+use crate::modal_point::ModalPoint;
 
 /// Body whose mode shapes can be found at each of its points, and around it.
-pub trait Modal {
+pub trait Modal: Debug + Send + Sync {
     /// Angular frequencies of the modes, rad/s, the lowest first.
     fn omega_rad_per_s(&self) -> &[f64];
 
@@ -28,20 +28,6 @@ pub trait Modal {
     /// Sets `modal_point` to a point or, if that is outside by more than `beyond_mm`, to the point at that distance
     /// from the body on the line from the nearest point of the body.
     fn evaluate_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint);
-}
-
-impl Modal for Field {
-    fn omega_rad_per_s(&self) -> &[f64] {
-        self.omega_rad_per_s()
-    }
-
-    fn reach_mm(&self) -> f64 {
-        self.reach_mm()
-    }
-
-    fn evaluate_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) {
-        self.at_nearest(point_mm, beyond_mm, modal_point);
-    }
 }
 
 impl<B: Modal> Modal for &B {
@@ -58,7 +44,7 @@ impl<B: Modal> Modal for &B {
     }
 }
 
-impl<B: Modal> Modal for Arc<B> {
+impl<B: Modal + ?Sized> Modal for Arc<B> {
     fn omega_rad_per_s(&self) -> &[f64] {
         (**self).omega_rad_per_s()
     }
@@ -151,15 +137,6 @@ pub fn modes_at(
 ) -> Result<Vec<Mode>, ModeError> {
     let shapes: Vec<Vector3<f64>> = modal_point.shapes.iter().map(per_root_kg).collect();
     modes(omegas_rad_per_s, &shapes, damping_ratio)
-}
-
-/// Modes of a body, all with the same damping and the largest shape along each axis anywhere on the body.
-///
-/// # Errors
-/// The damping is out of range.
-pub fn largest_modes(field: &Field, damping_ratio: f64) -> Result<Vec<Mode>, ModeError> {
-    let shapes: Vec<Vector3<f64>> = field.largest_shapes().iter().map(per_root_kg).collect();
-    modes(field.omega_rad_per_s(), &shapes, damping_ratio)
 }
 
 fn modes(omegas: &[f64], shapes: &[Vector3<f64>], damping_ratio: f64) -> Result<Vec<Mode>, ModeError> {

@@ -1,11 +1,9 @@
 #![doc = include_str!("../README.md")]
 //!
-//! Modes of tools and workpieces, and their motion under forces.
-//!
-//! [`fe`] computes modes by finite elements, [`dynamics`] the displacement of modes under forces, [`flexible`] the modes at the
-//! points of contact with a tool.
+//! [`dynamics`] is the displacement of modes under forces, [`modal_point`] what the modes of a body are at one of its points, [`flexible`] a workpiece
+//! with its modes at the points of contact with a tool.
 
-pub mod fe;
+pub mod modal_point;
 
 pub mod dynamics;
 

@@ -11,22 +11,21 @@ use std::sync::Arc;
 use arcfeed_kinematics::vector::Vector;
 use nalgebra::Vector3;
 
-use arcfeed_modal::fe::field::Field;
-use arcfeed_modal::flexible::Workpiece;
+use arcfeed_modal::flexible::{Modal, Workpiece};
 
 /// Workpiece that bends under the cutting force, with its modes.
 #[derive(Clone, Debug)]
 pub struct FlexibleWorkpiece {
-    workpiece: Workpiece<Arc<Field>>,
+    workpiece: Workpiece<Arc<dyn Modal>>,
     bounds_mm: [Vector; 2],
     /// Height of the tool's edges above its tip.
     edges_mm: f64,
 }
 
 impl FlexibleWorkpiece {
-    /// Workpiece with the modes of `field`; `edges_mm` is the height above the tool's tip up to which the tool has edges.
-    pub fn new(field: Arc<Field>, edges_mm: f64) -> Self {
-        FlexibleWorkpiece { bounds_mm: field.mesh().bounds_mm(), workpiece: Workpiece::new(field), edges_mm }
+    /// Workpiece within `bounds_mm` with the modes of `body`; `edges_mm` is the height above the tool's tip up to which the tool has edges.
+    pub fn new(body: Arc<dyn Modal>, bounds_mm: [Vector; 2], edges_mm: f64) -> Self {
+        FlexibleWorkpiece { workpiece: Workpiece::new(body), bounds_mm, edges_mm }
     }
 
     /// Number of modes of the workpiece.
@@ -42,7 +41,7 @@ impl FlexibleWorkpiece {
     }
 
     /// The same workpiece, for mode shapes at each edge.
-    pub fn workpiece_mut(&mut self) -> &mut Workpiece<Arc<Field>> {
+    pub fn workpiece_mut(&mut self) -> &mut Workpiece<Arc<dyn Modal>> {
         &mut self.workpiece
     }
 }

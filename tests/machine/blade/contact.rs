@@ -2,13 +2,13 @@
 
 use arcfeed_blades::beam::{Beam, BeamSection};
 use arcfeed_blades::blade::Blade;
+use arcfeed_fe::body::Body;
+use arcfeed_fe::field::Field;
+use arcfeed_fe::material::{STEEL, TITANIUM_6AL_4V};
+use arcfeed_fe::sparse::Factor;
+use arcfeed_fe::unknowns::Unknowns;
 use arcfeed_modal::dynamics::transition::Rule;
 use arcfeed_modal::dynamics::vibration::{Stepping, Vibration};
-use arcfeed_modal::fe::body::Body;
-use arcfeed_modal::fe::field::Field;
-use arcfeed_modal::fe::material::{STEEL, TITANIUM_6AL_4V};
-use arcfeed_modal::fe::sparse::Factor;
-use arcfeed_modal::fe::unknowns::Unknowns;
 use arcfeed_modal::flexible::Workpiece;
 use nalgebra::Vector3;
 

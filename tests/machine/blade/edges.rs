@@ -4,6 +4,12 @@
 use std::f64::consts::TAU;
 
 use arcfeed_dexel::solid::Block;
+use arcfeed_fe::body::Body;
+use arcfeed_fe::clamped_block::{ClampedBlock, Face};
+use arcfeed_fe::field::Field;
+use arcfeed_fe::material::STEEL;
+use arcfeed_fe::sparse::Factor;
+use arcfeed_fe::unknowns::Unknowns;
 use arcfeed_milling::cutting::edge_engagement::EdgeEngagement;
 use arcfeed_milling::cutting::edges::meridian::Pieces;
 use arcfeed_milling::cutting::edges::{Cutter, EndMill};
@@ -14,14 +20,8 @@ use arcfeed_milling::process::Process;
 use arcfeed_modal::dynamics::modal::Mode;
 use arcfeed_modal::dynamics::transition::Rule;
 use arcfeed_modal::dynamics::vibration::{Stepping, Vibration};
-use arcfeed_modal::fe::body::Body;
-use arcfeed_modal::fe::clamped_block::{ClampedBlock, Face};
-use arcfeed_modal::fe::field::Field;
-use arcfeed_modal::fe::material::STEEL;
-use arcfeed_modal::fe::modal_point::ModalPoint;
-use arcfeed_modal::fe::sparse::Factor;
-use arcfeed_modal::fe::unknowns::Unknowns;
 use arcfeed_modal::flexible::{Modal, Workpiece};
+use arcfeed_modal::modal_point::ModalPoint;
 use nalgebra::Vector2;
 
 const HEIGHT_MM: f64 = 40.0;

@@ -3,10 +3,10 @@
 use arcfeed_blades::blade::Blade;
 use arcfeed_blades::finishing::pass::{FinishingPass, PassResolution, PassResult};
 use arcfeed_blades::finishing::side::Side;
+use arcfeed_fe::field::Field;
 use arcfeed_milling::cutting::edges::EndMill;
 use arcfeed_milling::cutting::material::MATERIALS;
 use arcfeed_modal::dynamics::modal::Mode;
-use arcfeed_modal::fe::field::Field;
 use nalgebra::Vector3;
 
 pub const THICKNESS_MM: f64 = 1.5;

@@ -3,10 +3,10 @@
 use arcfeed_blades::blade::Blade;
 use arcfeed_blades::finishing::marks::{deviation_mm, marks};
 use arcfeed_blades::finishing::pass::{FinishingPass, MillError, PassResult};
+use arcfeed_fe::body::Body;
+use arcfeed_fe::field::Field;
+use arcfeed_fe::material::TITANIUM_6AL_4V;
 use arcfeed_modal::dynamics::chatter::metric_mm;
-use arcfeed_modal::fe::body::Body;
-use arcfeed_modal::fe::field::Field;
-use arcfeed_modal::fe::material::TITANIUM_6AL_4V;
 use arcfeed_modal::flexible::Workpiece;
 
 use crate::blade::small::{FEED_MM_PER_TOOTH, THICKNESS_MM, pass, plate, run, tool};
@@ -73,7 +73,7 @@ fn more_damping_means_smaller_marks() {
 #[test]
 fn nearly_rigid_parts_leave_the_surface_of_rigid_ones() {
     // 1000 times as stiff and as heavy as titanium, and the pass is far up.
-    let stiff = arcfeed_modal::fe::material::ElasticMaterial {
+    let stiff = arcfeed_fe::material::ElasticMaterial {
         young_mpa: 1e3 * TITANIUM_6AL_4V.young_mpa,
         density_kg_per_m3: 1e3 * TITANIUM_6AL_4V.density_kg_per_m3,
         ..TITANIUM_6AL_4V

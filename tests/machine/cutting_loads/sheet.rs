@@ -6,8 +6,8 @@ use std::fs;
 use arcfeed_blades::blade::Blade;
 use arcfeed_dexel::files::write_stl;
 use arcfeed_dexel::mesh::Mesh;
-use arcfeed_modal::fe::body::Body;
-use arcfeed_modal::fe::material::STEEL;
+use arcfeed_fe::body::Body;
+use arcfeed_fe::material::STEEL;
 use arcfeed_tests::Scratch;
 
 use crate::cutting_loads::slot_job::{assert_plate, assert_refused, number, simulation_report};

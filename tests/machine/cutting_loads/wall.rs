@@ -2,15 +2,14 @@
 
 use std::sync::Arc;
 
+use arcfeed_fe::body::Body;
+use arcfeed_fe::clamped_block::{ClampedBlock, Face};
+use arcfeed_fe::field::Field;
+use arcfeed_fe::material::TITANIUM_6AL_4V;
+use arcfeed_fe::sparse::Factor;
+use arcfeed_fe::unknowns::Unknowns;
 use arcfeed_hil_sim::removal::flexible_workpiece::FlexibleWorkpiece;
 use arcfeed_modal::dynamics::modal::Mode;
-use arcfeed_modal::fe::body::Body;
-use arcfeed_modal::fe::clamped_block::{ClampedBlock, Face};
-use arcfeed_modal::fe::field::Field;
-use arcfeed_modal::fe::material::TITANIUM_6AL_4V;
-use arcfeed_modal::fe::sparse::Factor;
-use arcfeed_modal::fe::unknowns::Unknowns;
-use arcfeed_modal::flexible::largest_modes;
 use nalgebra::Vector3;
 
 use crate::fe::at_nodes::unknowns_of_nodes;
@@ -35,8 +34,8 @@ fn bent_mm(cells: [usize; 3], count: Option<usize>, places: &[[usize; 2]]) -> Ve
     let factor = Factor::of(&k, 0.0, &m).expect("it is held");
     let modes = body.modes(&clamped, count.unwrap_or(k.size())).expect("so many");
     let field = Field::new(mesh.clone(), &modes, 1e-3);
-    let given = largest_modes(&field, 0.01).expect("a damping");
-    let mut flexible = FlexibleWorkpiece::new(Arc::new(field), EDGES_MM);
+    let given = field.largest_modes(0.01).expect("a damping");
+    let mut flexible = FlexibleWorkpiece::new(Arc::new(field), mesh.bounds_mm(), EDGES_MM);
     let at = |[x, z]: &[usize; 2]| {
         let node = mesh.nodes_where(|place| place == [*x, 2 * cells[1], *z])[0];
         let mut push = vec![0.0; k.size()];

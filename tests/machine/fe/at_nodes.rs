@@ -1,6 +1,6 @@
 //! Unknowns of the displacements of a node.
 
-use arcfeed_modal::fe::unknowns::Unknowns;
+use arcfeed_fe::unknowns::Unknowns;
 
 /// For each node and direction the unknown; none where it is clamped. Each displacement must be one unknown alone.
 pub fn unknowns_of_nodes(unknowns: &Unknowns) -> Vec<[Option<usize>; 3]> {

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use arcfeed_blades::beam::{Beam, BeamSection};
-use arcfeed_modal::fe::material::{STEEL, TITANIUM_6AL_4V};
-use arcfeed_modal::fe::modal_point::ModalPoint;
+use arcfeed_fe::material::{STEEL, TITANIUM_6AL_4V};
+use arcfeed_modal::modal_point::ModalPoint;
 
 /// beta L of a beam with one end clamped, the other free.
 const CANTILEVER: [f64; 5] = [1.875_104_068_7, 4.694_091_133_0, 7.854_757_438_2, 10.995_540_734_9, 14.137_168_391_0];

@@ -3,14 +3,14 @@
 use arcfeed_blades::cyclic::{Sector, SectorError, Wave};
 use arcfeed_blades::disk::{BladedDisk, SectorCells};
 use arcfeed_blades::disk_field::DiskField;
-use arcfeed_modal::fe::body::Body;
-use arcfeed_modal::fe::eigen::below;
-use arcfeed_modal::fe::material::TITANIUM_6AL_4V;
-use arcfeed_modal::fe::mesh::TetMesh;
-use arcfeed_modal::fe::modal_point::ModalPoint;
-use arcfeed_modal::fe::sparse::Sparse;
-use arcfeed_modal::fe::unknowns::Unknowns;
+use arcfeed_fe::body::Body;
+use arcfeed_fe::eigen::below;
+use arcfeed_fe::material::TITANIUM_6AL_4V;
+use arcfeed_fe::mesh::TetMesh;
+use arcfeed_fe::sparse::Sparse;
+use arcfeed_fe::unknowns::Unknowns;
 use arcfeed_modal::flexible::Modal;
+use arcfeed_modal::modal_point::ModalPoint;
 
 use crate::fe::at_nodes::unknowns_of_nodes;
 use crate::fe::solver::all_of_dense;

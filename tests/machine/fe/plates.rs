@@ -1,8 +1,8 @@
 //! Plates clamped along one edge.
 
 use arcfeed_blades::blade::Blade;
-use arcfeed_modal::fe::body::Body;
-use arcfeed_modal::fe::material::{ElasticMaterial, STEEL, TITANIUM_6AL_4V};
+use arcfeed_fe::body::Body;
+use arcfeed_fe::material::{ElasticMaterial, STEEL, TITANIUM_6AL_4V};
 
 /// Cells along the clamp, through the thickness and away from the clamp.
 const CELLS: [usize; 3] = [12, 1, 16];

@@ -1,14 +1,14 @@
 //! Mode shapes at a point of the body, and beside it.
 
 use arcfeed_blades::blade::Blade;
-use arcfeed_modal::fe::body::{Body, Modes};
-use arcfeed_modal::fe::field::Field;
-use arcfeed_modal::fe::material::{STEEL, TITANIUM_6AL_4V};
-use arcfeed_modal::fe::mesh::TetMesh;
-use arcfeed_modal::fe::modal_point::ModalPoint;
-use arcfeed_modal::fe::sparse::Factor;
-use arcfeed_modal::fe::tetrahedron::functions;
-use arcfeed_modal::fe::unknowns::Unknowns;
+use arcfeed_fe::body::{Body, Modes};
+use arcfeed_fe::field::Field;
+use arcfeed_fe::material::{STEEL, TITANIUM_6AL_4V};
+use arcfeed_fe::mesh::TetMesh;
+use arcfeed_fe::sparse::Factor;
+use arcfeed_fe::tetrahedron::functions;
+use arcfeed_fe::unknowns::Unknowns;
+use arcfeed_modal::modal_point::ModalPoint;
 
 use crate::fe::at_nodes::unknowns_of_nodes;
 use crate::fe::random::fractions;

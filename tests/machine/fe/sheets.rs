@@ -4,11 +4,11 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use arcfeed_blades::blade::Blade;
 use arcfeed_dexel::mesh::Mesh as Surface;
-use arcfeed_modal::fe::body::Body;
-use arcfeed_modal::fe::clamped_block::{ClampedBlock, Face};
-use arcfeed_modal::fe::material::TITANIUM_6AL_4V;
-use arcfeed_modal::fe::mesh::{TetMesh, graded};
-use arcfeed_modal::fe::sheet::{Sheet, SheetError};
+use arcfeed_fe::body::Body;
+use arcfeed_fe::clamped_block::{ClampedBlock, Face};
+use arcfeed_fe::material::TITANIUM_6AL_4V;
+use arcfeed_fe::mesh::{TetMesh, graded};
+use arcfeed_fe::sheet::{Sheet, SheetError};
 
 use crate::fe::surfaces::{TWISTED, closed, hollow};
 

@@ -1,12 +1,12 @@
 //! The sparse eigenproblem against a dense one, and what its answers must satisfy.
 
 use arcfeed_blades::blade::Blade;
-use arcfeed_modal::fe::body::Body;
-use arcfeed_modal::fe::eigen::{EigenError, below, lowest};
-use arcfeed_modal::fe::material::TITANIUM_6AL_4V;
-use arcfeed_modal::fe::mesh::TetMesh;
-use arcfeed_modal::fe::sparse::Sparse;
-use arcfeed_modal::fe::unknowns::Unknowns;
+use arcfeed_fe::body::Body;
+use arcfeed_fe::eigen::{EigenError, below, lowest};
+use arcfeed_fe::material::TITANIUM_6AL_4V;
+use arcfeed_fe::mesh::TetMesh;
+use arcfeed_fe::sparse::Sparse;
+use arcfeed_fe::unknowns::Unknowns;
 use nalgebra::{DMatrix, DVector};
 
 pub fn dense(matrix: &Sparse) -> DMatrix<f64> {

@@ -4,10 +4,10 @@
 use std::f64::consts::FRAC_PI_2;
 
 use arcfeed_blades::blade::Blade;
-use arcfeed_modal::fe::body::Body;
-use arcfeed_modal::fe::material::ElasticMaterial;
-use arcfeed_modal::fe::sparse::Factor;
-use arcfeed_modal::fe::unknowns::Unknowns;
+use arcfeed_fe::body::Body;
+use arcfeed_fe::material::ElasticMaterial;
+use arcfeed_fe::sparse::Factor;
+use arcfeed_fe::unknowns::Unknowns;
 
 use crate::fe::at_nodes::unknowns_of_nodes;
 

@@ -8,12 +8,12 @@ use arcfeed_blades::blade::Blade;
 use arcfeed_blades::finishing::marks::{SurfaceMark, deviation_mm, marks};
 use arcfeed_blades::finishing::pass::{FinishingPass, PassResolution, PassResult};
 use arcfeed_blades::finishing::side::Side;
+use arcfeed_fe::body::Body;
+use arcfeed_fe::field::Field;
+use arcfeed_fe::material::{ElasticMaterial, TITANIUM_6AL_4V};
 use arcfeed_milling::cutting::edges::EndMill;
 use arcfeed_milling::cutting::material::MATERIALS;
 use arcfeed_modal::dynamics::chatter::metric_mm;
-use arcfeed_modal::fe::body::Body;
-use arcfeed_modal::fe::field::Field;
-use arcfeed_modal::fe::material::{ElasticMaterial, TITANIUM_6AL_4V};
 use arcfeed_modal::flexible::{Modal, Workpiece};
 
 /// Blade whose first ten modes are near those of the paper, which does not state its dimensions.

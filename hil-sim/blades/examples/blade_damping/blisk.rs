@@ -9,9 +9,9 @@ use arcfeed_blades::blade::Blade;
 use arcfeed_blades::cyclic::Sector;
 use arcfeed_blades::disk::{BladedDisk, SectorCells};
 use arcfeed_blades::disk_field::DiskField;
-use arcfeed_modal::fe::material::TITANIUM_6AL_4V;
-use arcfeed_modal::fe::modal_point::ModalPoint;
+use arcfeed_fe::material::TITANIUM_6AL_4V;
 use arcfeed_modal::flexible::Modal;
+use arcfeed_modal::modal_point::ModalPoint;
 
 use crate::bench::{Bench, Damping, Failure, blade_alone};
 use crate::{FINENESS, STEPOVER_MM, print_outcome};
@@ -30,6 +30,7 @@ const DISK: BladedDisk = BladedDisk {
 };
 
 /// The disk in the frame of the pass.
+#[derive(Debug)]
 struct Blisk {
     disk: DiskField,
 }

@@ -6,7 +6,7 @@
 use std::path::PathBuf;
 
 use arcfeed_blades::finishing::pass::PassResolution;
-use arcfeed_modal::fe::field::Field;
+use arcfeed_fe::field::Field;
 use arcfeed_modal::flexible::Workpiece;
 use nalgebra::Vector3;
 use rayon::prelude::*;

@@ -1,7 +1,9 @@
+#![doc = include_str!("../README.md")]
+//!
 //! Vibration of workpieces: natural frequencies, mode shapes, and their effect at a point.
 //!
-//! Workpieces are bodies of ten-node tetrahedra. They give a [`modal_point::ModalPoint`] at a point, through which forces act on the modes and the modes move the
-//! point. Damping and time steps are in other modules.
+//! Workpieces are bodies of ten-node tetrahedra. They give a [`ModalPoint`](arcfeed_modal::modal_point::ModalPoint) at a point, through which forces act on the
+//! modes and the modes move the point. Damping and time steps are in `arcfeed-modal`.
 //! Lengths in mm, forces in N, time in s and masses in t form one consistent set of units: 1 N = 1 t mm/s2, 1 MPa = 1
 //! N/mm2. Accuracy, cost and limits: docs/fe.md.
 
@@ -28,8 +30,6 @@ pub mod eigen;
 pub mod unknowns;
 
 pub mod body;
-
-pub mod modal_point;
 
 pub mod locate;
 

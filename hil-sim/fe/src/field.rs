@@ -10,10 +10,13 @@
 //! the map outside the part; here the functions of the nearest element do, evaluated beyond its border, as far as the
 //! reach. Each iteration of (3) reduces the error by the strain.
 
+use arcfeed_modal::dynamics::modal::{Mode, ModeError};
+use arcfeed_modal::flexible::{Modal, modes_at};
+use arcfeed_modal::modal_point::ModalPoint;
+
 use super::body::Modes;
 use super::locate::{LocatedPoint, Locator, TooFar};
 use super::mesh::TetMesh;
-use super::modal_point::ModalPoint;
 use super::tetrahedron::functions;
 
 /// Change of X at which (3) ends.
@@ -69,13 +72,17 @@ impl Field {
         found.map_or(f64::INFINITY, |found| found.outside_mm)
     }
 
-    /// Largest displacement of each mode along each axis at any node, 1/sqrt(t).
-    pub fn largest_shapes(&self) -> Vec<[f64; 3]> {
+    /// Modes with the same damping and the largest shape along each axis at any node.
+    ///
+    /// # Errors
+    /// The damping is out of range.
+    pub fn largest_modes(&self, damping_ratio: f64) -> Result<Vec<Mode>, ModeError> {
         let largest = |mode: usize| {
             let at_nodes = self.shapes.iter().map(|shapes| shapes[mode].map(libm::fabs));
             at_nodes.fold([0.0; 3], |one, other| std::array::from_fn(|axis| f64::max(one[axis], other[axis])))
         };
-        (0..self.omega_rad_per_s.len()).map(largest).collect()
+        let shapes = (0..self.omega_rad_per_s.len()).map(largest).collect();
+        modes_at(&self.omega_rad_per_s, &ModalPoint { shapes, element: None }, damping_ratio)
     }
 
     /// Largest distance, mm, of points outside the body for which mode shapes are extrapolated.
@@ -114,6 +121,20 @@ impl Field {
         modal_point: &mut ModalPoint,
     ) -> Result<[f64; 3], TooFar> {
         material_point_mm(now_mm, amplitudes, modal_point, |point_mm, modal_point| self.at(point_mm, modal_point))
+    }
+}
+
+impl Modal for Field {
+    fn omega_rad_per_s(&self) -> &[f64] {
+        self.omega_rad_per_s()
+    }
+
+    fn reach_mm(&self) -> f64 {
+        self.reach_mm()
+    }
+
+    fn evaluate_at(&self, point_mm: [f64; 3], beyond_mm: f64, modal_point: &mut ModalPoint) {
+        self.at_nearest(point_mm, beyond_mm, modal_point);
     }
 }
 
