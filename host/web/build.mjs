@@ -1,4 +1,8 @@
-// Bundles the viewer: `npm ci && npm run build` writes viewer.js and viewer.css, or the same into the folder that is named.
+// Bundles the viewer: `npm ci && npm run build` writes viewer.js.zlib (compressed), viewer.css and start.js, or the same into the folder that is named.
+import { readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { resolve } from 'node:path';
+import { deflateSync } from 'node:zlib';
+
 import { build } from 'esbuild';
 
 const notice = `/*! Viewer of arcfeed, MIT OR Apache-2.0. It contains three.js (Copyright 2010-2026 Three.js Authors) and uPlot
@@ -12,10 +16,11 @@ BUT NOT LIMITED TO THE WARRANTIES OF MERCHANTABILITY, FITNESS FOR A PARTICULAR P
 AUTHORS OR COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR
 OTHERWISE, ARISING FROM, OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE SOFTWARE. */`;
 
+const folder = resolve(import.meta.dirname, process.argv[2] ?? '.');
 await build({
     absWorkingDir: import.meta.dirname,
     entryPoints: { viewer: 'src/main.ts', start: 'src/start.ts' },
-    outdir: process.argv[2] ?? '.',
+    outdir: folder,
     bundle: true,
     minify: true,
     format: 'iife',
@@ -24,3 +29,6 @@ await build({
     legalComments: 'none',
     banner: { js: notice },
 });
+const bundle = resolve(folder, 'viewer.js');
+writeFileSync(`${bundle}.zlib`, deflateSync(readFileSync(bundle), { level: 9 }));
+rmSync(bundle);

@@ -1,6 +1,6 @@
 //! Viewer of a run within the page: the path in three dimensions, curves and NC text around one moment (docs/report.md).
 //!
-//! The program in the page is the bundle `host/web/viewer.js`, built from the TypeScript beside it. The data are one
+//! The program in the page is the bundle `host/web/viewer.js.zlib`, built from the TypeScript beside it. The data are one
 //! compressed block:
 //!
 //! ```text
@@ -10,6 +10,7 @@
 pub mod column;
 
 use miniz_oxide::deflate::compress_to_vec_zlib;
+use miniz_oxide::inflate::decompress_to_vec_zlib;
 use serde::Serialize;
 
 use self::column::{Column, ColumnHead};
@@ -21,7 +22,8 @@ pub const SCHEMA: u32 = 3;
 /// Compression of the data, of 10; higher levels take much longer for 1 % less.
 const LEVEL: u8 = 6;
 
-const SCRIPT: &str = include_str!("../../../../web/viewer.js");
+/// Compressed: it is two thirds of what the program has besides code.
+const SCRIPT: &[u8] = include_bytes!("../../../../web/viewer.js.zlib");
 const STYLE: &str = include_str!("../../../../web/viewer.css");
 const BODY: &str = include_str!("../../../../web/viewer.html");
 const START_SCRIPT: &str = include_str!("../../../../web/start.js");
@@ -188,6 +190,11 @@ pub fn start_page() -> String {
     )
 }
 
+fn script() -> String {
+    let bundle = decompress_to_vec_zlib(SCRIPT).ok().and_then(|bundle| String::from_utf8(bundle).ok());
+    bundle.expect("the bundle is compressed text (`the_bundle_is_that_of_its_sources`)")
+}
+
 impl ViewerData {
     /// The viewer as HTML: one part for the head of the page, one for its body.
     pub fn html(&self) -> [String; 2] {
@@ -196,8 +203,9 @@ impl ViewerData {
             "<meta http-equiv=\"Content-Security-Policy\" content=\"{POLICY}{connects}\">\n{icon}<style>\n{STYLE}</style>\n"
         );
         let data = base64(&compress_to_vec_zlib(&self.bytes(), LEVEL));
+        let script = script();
         let body = format!(
-            "{live}{BODY}<script type=\"text/plain\" id=\"arcfeed-data\">{data}</script>\n<script>\n{SCRIPT}</script>\n"
+            "{live}{BODY}<script type=\"text/plain\" id=\"arcfeed-data\">{data}</script>\n<script>\n{script}</script>\n"
         );
         [head, body]
     }
