@@ -6,9 +6,7 @@
 
 mod place;
 
-pub mod clock;
-
-pub mod files;
+pub use arcfeed_program::{clock, files};
 
 mod plural;
 
@@ -36,7 +34,7 @@ pub mod control;
 
 pub mod machine_file;
 
-pub mod program;
+pub use arcfeed_program as program;
 
 pub mod post;
 

@@ -21,7 +21,7 @@ const SIMULATOR_CRATES: [&str; 7] = [
 ];
 
 /// Crates that can be used without the rest, and those of ours that they bring along.
-const ALONE: [(&str, &[&str]); 8] = [
+const ALONE: [(&str, &[&str]); 9] = [
     ("arcfeed-units", &[]),
     ("arcfeed-kinematics", &[]),
     ("arcfeed-nc", &["arcfeed-units"]),
@@ -29,6 +29,7 @@ const ALONE: [(&str, &[&str]); 8] = [
     ("arcfeed-law", &["arcfeed-model", "arcfeed-nc", "arcfeed-units"]),
     ("arcfeed-firmware", &["arcfeed-law", "arcfeed-model", "arcfeed-nc", "arcfeed-units"]),
     ("arcfeed-port", &["arcfeed-line-errors", "arcfeed-units"]),
+    ("arcfeed-program", &["arcfeed-compensation", "arcfeed-nc", "arcfeed-nc-macro", "arcfeed-units"]),
     ("arcfeed-dnc", &["arcfeed-line-errors", "arcfeed-nc", "arcfeed-port", "arcfeed-units"]),
 ];
 

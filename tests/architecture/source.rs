@@ -71,10 +71,11 @@ pub const SIMULATOR: [&str; 7] = [
     "hil-sim/src",
 ];
 /// Folders of sources of the host.
-pub const HOST: [&str; 7] = [
+pub const HOST: [&str; 8] = [
     "host/src",
     "host/line-errors/src",
     "host/port/src",
+    "host/program/src",
     "host/dnc/src",
     "host/plan/src",
     "host/python/src",

@@ -1,4 +1,10 @@
-//! NC program as a file: its text, and the meaning and place of each line, which are read again whenever they are needed.
+#![doc = include_str!("../README.md")]
+//!
+//! A [`Program`] has its text, and the meaning and place of each line, which are read again whenever they are needed.
+
+pub mod clock;
+
+pub mod files;
 
 mod advice;
 
@@ -57,8 +63,6 @@ use arcfeed_nc::settings::{Preset, Scope, Settings, Tables};
 use arcfeed_nc::text::Lines;
 use arcfeed_nc_macro::program::first_macro;
 use arcfeed_units::{LengthUnit, Nm};
-
-use crate::files;
 
 pub use block_delete::BlockDeleteEffect;
 pub use contour_check::may_have_contours;

@@ -1,7 +1,6 @@
 //! Files of commands, by their paths: on the disk, or in memory where arcfeed runs inside a page (`wasm32`, `host/wasm`).
 //!
-//! All that `check`, `init`, `adapt` and `simulate` read goes through here, all that they write through
-//! [`output`](crate::output).
+//! All that `check`, `init`, `adapt` and `simulate` read goes through here.
 
 #[cfg(not(target_family = "wasm"))]
 mod disk;
