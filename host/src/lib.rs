@@ -1,24 +1,20 @@
-//! Host part of arcfeed: reads a program and a job, plans feeds, sends, reports.
+//! Host part of arcfeed: commands that read a program and a job, plan feeds (`arcfeed-adapt`), send, simulate, report.
 //!
 //! The modules are in the order of the data flow; a module imports only from those above it. Only [`commands`] uses the
 //! simulator.
 #![deny(clippy::print_stdout, clippy::print_stderr)]
 
-mod place;
-
+#[cfg(feature = "plan")]
+use arcfeed_adapt::toml_reader;
+pub use arcfeed_adapt::{
+    adapt, axial_law, checksum, control, engagement, file_error, job, key_values, machine_file, post, program,
+};
+use arcfeed_adapt::{place, toml_values, unit_value};
 pub use arcfeed_program::{clock, files};
 
 mod plural;
 
 pub mod features;
-
-mod toml_values;
-
-mod toml_reader;
-
-pub mod key_values;
-
-mod unit_value;
 
 pub mod output;
 
@@ -26,32 +22,12 @@ pub mod trace;
 
 pub mod console;
 
-pub mod checksum;
-
-pub mod file_error;
-
-pub mod control;
-
-pub mod machine_file;
-
-pub use arcfeed_program as program;
-
-pub mod post;
-
 pub mod snippet;
-
-pub mod engagement;
-
-pub mod axial_law;
-
-pub mod job;
 
 #[cfg(feature = "plan")]
 pub mod part;
 
 pub mod init;
-
-pub mod adapt;
 
 pub mod port;
 

@@ -71,11 +71,12 @@ pub const SIMULATOR: [&str; 7] = [
     "hil-sim/src",
 ];
 /// Folders of sources of the host.
-pub const HOST: [&str; 8] = [
+pub const HOST: [&str; 9] = [
     "host/src",
     "host/line-errors/src",
     "host/port/src",
     "host/program/src",
+    "host/adapt/src",
     "host/dnc/src",
     "host/plan/src",
     "host/python/src",

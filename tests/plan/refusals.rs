@@ -276,7 +276,8 @@ fn splitter_messages(scratch: &Scratch, folder: &Path, example: &str, generate: 
 fn wrong_inputs_are_refused_with_their_place_and_a_remedy() {
     let scratch = Scratch::new("plan-refusals");
     let folder = PathBuf::from(scratch.path("").trim_end_matches('/'));
-    let machine = fs::read_to_string(root().join("host/machines/mitsui-seiki-hu80a-5x.toml")).expect("the machine");
+    let machine =
+        fs::read_to_string(root().join("host/adapt/machines/mitsui-seiki-hu80a-5x.toml")).expect("the machine");
     scratch.write("machine.toml", format!("spindle_range = [50, 6000]\n{machine}"));
     let example = fs::read_to_string(root().join("examples/blisk-19/PART.toml")).expect("the example");
     let example = example.lines().filter(|line| !line.starts_with('#')).collect::<Vec<_>>().join("\n");

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 //!
 //! A [`Program`] has its text, and the meaning and place of each line, which are read again whenever they are needed.
+#![deny(clippy::print_stdout, clippy::print_stderr)]
 
 pub mod clock;
 

@@ -8,6 +8,8 @@ use serde::Serialize;
 use crate::job::workpiece::{AssumedStock, StockSource};
 use crate::plural::counted;
 
+const TRUE_STOCK: &str = "; give the true stock with --stock";
+
 /// Cubic millimetres in a cubic centimetre.
 const MM3_PER_CM3: f64 = 1e3;
 
@@ -207,25 +209,23 @@ impl LeftOutBlocks {
     }
 }
 
-impl fmt::Display for AssumedStock {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [x, y, z] = [0, 1, 2].map(|axis| [self.from[axis], self.to[axis]].map(short).join(" .. "));
-        match self.source {
-            StockSource::Option => write!(f, "stock as --stock gives it")?,
-            StockSource::Comment { line } => write!(f, "stock ASSUMED, as the comment in line {line} gives it")?,
-            StockSource::Extents => write!(f, "stock ASSUMED, the cutting moves and the tool's radius about them")?,
+fn stock_words(stock: &AssumedStock) -> String {
+    let [x, y, z] = [0, 1, 2].map(|axis| [stock.from[axis], stock.to[axis]].map(short).join(" .. "));
+    let (origin, advice) = match stock.source {
+        StockSource::Option => ("stock as --stock gives it".to_owned(), ""),
+        StockSource::Comment { line } => (format!("stock ASSUMED, as the comment in line {line} gives it"), TRUE_STOCK),
+        StockSource::Extents => {
+            ("stock ASSUMED, the cutting moves and the tool's radius about them".to_owned(), TRUE_STOCK)
         }
-        write!(f, ": X {x}, Y {y}, Z {z}; the tool ASSUMED flat, cutting over that height")?;
-        let is_given = self.source == StockSource::Option;
-        if is_given { Ok(()) } else { write!(f, "; give the true stock with --stock") }
-    }
+    };
+    format!("{origin}: X {x}, Y {y}, Z {z}; the tool ASSUMED flat, cutting over that height{advice}")
 }
 
 impl fmt::Display for MaterialFigures {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let MaterialFigures { volume_unit, rate_unit, removal, left, .. } = self;
         if let Some(assumed) = &self.assumed_stock {
-            writeln!(f, "  {assumed}")?;
+            writeln!(f, "  {}", stock_words(assumed))?;
         }
         writeln!(
             f,

@@ -102,7 +102,7 @@ feed_per_tooth = 0.2
 /// Job, machine and part files of the examples, and the jobs above. The firmware there has none; files of repairs are tested in
 /// `tests/plan/repair`, those of campaigns in `tests/line/campaigns.rs`.
 pub fn files() -> Vec<(PathBuf, String)> {
-    let mut folders = vec![root().join("examples"), root().join("host/machines")];
+    let mut folders = vec![root().join("examples"), root().join("host/adapt/machines")];
     let mut files = Vec::new();
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).expect("the examples can be read") {

@@ -56,7 +56,7 @@ fn what_check_and_adapt_print_of_a_program_with_calls_is_documented() {
 #[test]
 fn what_check_and_post_print_of_a_five_axis_machine_is_documented() {
     let documented = Documented::read();
-    let machine = |name: &str| format!("host/machines/{name}.toml");
+    let machine = |name: &str| format!("host/adapt/machines/{name}.toml");
     let scratch = Scratch::new("json-five-axis");
     let strategy_2 = "examples/five-axis/tournier-strategy-2.apt";
     let head = "FEDRAT/100\nGOTO/0,0,0,0,0,1\n";

@@ -75,7 +75,7 @@ fn layers_do_not_show_in_a_ramp() {
 fn a_spindle_that_turns_backwards_is_reported_to_have_no_chips() {
     let scratch = Scratch::new("loads-backwards");
     scratch.write("program.nc", "%\nG21G17G90G94\nS3000M4\nN1G0X0.Y0.\nN2G0Z5.\nN3G1Z-4.F400.\nN4G1X10.\nN5M30\n%\n");
-    let machine = std::fs::read_to_string(root().join("host/machines/mikron-ucp710.toml")).expect("a machine");
+    let machine = std::fs::read_to_string(root().join("host/adapt/machines/mikron-ucp710.toml")).expect("a machine");
     scratch.write("machine.toml", format!("{machine}[spindle]\nrun_up = 30000\nrun_down = 30000\nwaits = true\n"));
     let job = scratch.write("job.toml", format!("{}[machine]\nfile = \"machine.toml\"\n", job(LINEAR)));
     let output = run(&["simulate", &job, "--json"]);

@@ -6,7 +6,7 @@ use arcfeed_kinematics::machine::Machine;
 use arcfeed_kinematics::vector::Vector;
 use arcfeed_tests::root;
 
-/// The files of host/machines.
+/// The files of host/adapt/machines.
 pub const FILES: [&str; 3] = ["mikron-ucp710", "ferrari-rtttr", "mitsui-seiki-hu80a-5x"];
 
 /// A part and a tool somewhere.
@@ -14,7 +14,7 @@ pub const SETUP: Setup = Setup { part_zero_mm: [31.0, -17.5, 83.25], tool_length
 
 /// A machine of the examples.
 pub fn machine(file: &str) -> Machine {
-    let path = root().join("host/machines").join(file).with_extension("toml");
+    let path = root().join("host/adapt/machines").join(file).with_extension("toml");
     MachineFile::load(&path).expect("an example machine").machine
 }
 

@@ -39,7 +39,8 @@ fn the_plan_sends_what_the_axes_can_follow_and_names_the_one_that_sets_it() {
     for mode in ["safe-base", "rewrite-only"] {
         assert_planned(&blocks(&job(&scratch, mode, MACHINE)));
     }
-    let copied = std::fs::read_to_string(root().join("host/machines/mikron-ucp710.toml")).expect("an example machine");
+    let copied =
+        std::fs::read_to_string(root().join("host/adapt/machines/mikron-ucp710.toml")).expect("an example machine");
     std::fs::create_dir_all(scratch.path("machines")).expect("a scratch folder");
     scratch.write("machines/mikron.toml", copied);
     let by_file = MACHINE.replace("preset = 'mikron-ucp710'", "file = 'machines/mikron.toml'");

@@ -13,7 +13,7 @@ const TIP_MM: f64 = 0.01;
 const DIRECTION: f64 = 2e-5;
 
 fn machine_file(name: &str) -> String {
-    root().join("host/machines").join(name).with_extension("toml").display().to_string()
+    root().join("host/adapt/machines").join(name).with_extension("toml").display().to_string()
 }
 
 /// Points on a spiral, leaning away from the pole; for the pallet machine about Y, as it tilts.

@@ -113,7 +113,8 @@ fn feeds_beyond_the_axes_are_reported_in_every_mode_of_feed() {
 }
 
 fn machine_text(name: &str) -> String {
-    std::fs::read_to_string(root().join("host/machines").join(name).with_extension("toml")).expect("an example machine")
+    std::fs::read_to_string(root().join("host/adapt/machines").join(name).with_extension("toml"))
+        .expect("an example machine")
 }
 
 #[test]

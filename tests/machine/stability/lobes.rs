@@ -121,7 +121,8 @@ fn a_quarter_turn_of_the_feed_is_a_quarter_turn_of_the_modes() {
 fn the_best_speeds_are_the_highest_of_the_range_and_lie_in_the_machines() {
     let scratch = Scratch::new("lobes-best");
     let Some(Table { milling, .. }) = tables().into_iter().nth(1) else { panic!("a table") };
-    let machine = std::fs::read_to_string(root().join("host/machines/mitsui-seiki-hu80a-5x.toml")).expect("a machine");
+    let machine =
+        std::fs::read_to_string(root().join("host/adapt/machines/mitsui-seiki-hu80a-5x.toml")).expect("a machine");
     scratch.write("machine.toml", format!("spindle_range = [15, 6000]\n{machine}"));
     let text = job(&milling).replace("[workpiece]", "[machine]\nfile = \"machine.toml\"\n[workpiece]");
     let job = scratch.write("job.toml", text);

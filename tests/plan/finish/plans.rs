@@ -63,7 +63,7 @@ pub fn needs(course: Course, spacing: Spacing) -> FinishNeeds {
 
 /// Machine of the example.
 pub fn mikron() -> Machine {
-    MachineFile::load(&root().join("host/machines/mikron-ucp710.toml")).expect("a preset").machine
+    MachineFile::load(&root().join("host/adapt/machines/mikron-ucp710.toml")).expect("a preset").machine
 }
 
 fn plan(blisk: &Blisk, needs: &FinishNeeds) -> Result<FinishPlan, FinishInfeasible> {

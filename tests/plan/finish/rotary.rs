@@ -19,7 +19,7 @@ use super::plans::{blisk, mikron, mill, needs};
 const SPARE_DEG: f64 = 1.0;
 
 fn machine(name: &str) -> Machine {
-    MachineFile::load(&root().join("host/machines").join(name).with_extension("toml")).expect("a preset").machine
+    MachineFile::load(&root().join("host/adapt/machines").join(name).with_extension("toml")).expect("a preset").machine
 }
 
 /// The machine with other ranges of its rotary axes.
@@ -120,7 +120,7 @@ fn ranges_that_exclude_the_smoothest_course_bend_it_and_narrower_ones_are_refuse
 fn the_command_refuses_a_machine_that_does_not_tilt_far_enough() {
     let scratch = Scratch::new("finish-ranges");
     let folder = scratch.path("out");
-    let machine = std::fs::read_to_string(root().join("host/machines/mikron-ucp710.toml")).unwrap();
+    let machine = std::fs::read_to_string(root().join("host/adapt/machines/mikron-ucp710.toml")).unwrap();
     assert!(machine.contains("range = [-120, 30]"));
     scratch.write("narrow.toml", machine.replace("range = [-120, 30]", "range = [-20, 30]"));
     let part = std::fs::read_to_string(root().join("examples/finish-blisk/PART.toml")).unwrap();

@@ -95,7 +95,8 @@ enum RadiusConvention {
 }
 
 /// Meaning of numbers without a decimal point.
-#[derive(Clone, Copy, Debug, Deserialize, clap::ValueEnum)]
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[cfg_attr(feature = "clap", derive(clap::ValueEnum))]
 #[serde(rename_all = "kebab-case")]
 pub enum Convention {
     /// X1000 is 1 mm

@@ -74,7 +74,9 @@ pub struct PlungeTable {
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum UnitWord {
+    /// `"inch"`.
     Inch,
+    /// `"mm"`.
     Mm,
 }
 

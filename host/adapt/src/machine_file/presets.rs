@@ -1,4 +1,4 @@
-//! Machines built into the program: those of `host/machines`, under their files' names.
+//! Machines built into the program: those of `host/adapt/machines`, under their files' names.
 
 use std::path::Path;
 

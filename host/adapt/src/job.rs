@@ -16,11 +16,11 @@ mod schema;
 
 mod tables;
 
-pub(crate) mod machine;
+pub mod machine;
 
 mod tool;
 
-pub(crate) mod spindle;
+pub mod spindle;
 
 pub mod plunge;
 
@@ -65,9 +65,8 @@ pub use dnc::{DncSettings, TapeCode};
 pub use plunge::Plunge;
 use rule_scope::RuleScope;
 use schema::JobTable;
-pub(crate) use schema::Quantity;
-#[cfg(feature = "plan")]
-pub(crate) use schema::UnitWord;
+pub use schema::Quantity;
+pub use schema::UnitWord;
 pub use spindle::SpindleLimits;
 pub use workpiece::Workpiece;
 
@@ -124,7 +123,7 @@ pub struct JobFile {
 }
 
 /// A complaint at a byte offset of the file.
-pub(crate) type Complaint = (usize, String);
+pub type Complaint = (usize, String);
 
 /// Context in which a cut rule is read.
 struct RuleContext<'t> {
@@ -332,7 +331,11 @@ fn library(place: &Spanned<String>, folder: &Path) -> Result<PathBuf, Complaint>
     }
 }
 
-pub(crate) fn length_mm(quantity: &Spanned<Quantity>, unit: LengthUnit, name: &str) -> Result<f64, Complaint> {
+/// Length in mm, if it is positive and in the range of lengths.
+///
+/// # Errors
+/// Place and message.
+pub fn length_mm(quantity: &Spanned<Quantity>, unit: LengthUnit, name: &str) -> Result<f64, Complaint> {
     let mm = quantity.as_ref().to_mm(unit);
     if (LENGTH_MIN_MM..LENGTH_MAX_MM).contains(&mm) {
         return Ok(mm);
@@ -343,7 +346,11 @@ pub(crate) fn length_mm(quantity: &Spanned<Quantity>, unit: LengthUnit, name: &s
     ))
 }
 
-pub(crate) fn positive(value: &Spanned<f64>, name: &str) -> Result<f64, Complaint> {
+/// A number, if it is positive and in the range of numbers.
+///
+/// # Errors
+/// Place and message.
+pub fn positive(value: &Spanned<f64>, name: &str) -> Result<f64, Complaint> {
     let number = *value.as_ref();
     if (POSITIVE_MIN..POSITIVE_MAX).contains(&number) {
         return Ok(number);
@@ -351,7 +358,8 @@ pub(crate) fn positive(value: &Spanned<f64>, name: &str) -> Result<f64, Complain
     Err(at(value, &format!("{name} must be positive, from {POSITIVE_MIN} to less than {POSITIVE_MAX}")))
 }
 
-pub(crate) fn at<T>(place: &Spanned<T>, message: &str) -> Complaint {
+/// Complaint about a value: its place, and the message.
+pub fn at<T>(place: &Spanned<T>, message: &str) -> Complaint {
     (place.span().start, message.to_string())
 }
 
