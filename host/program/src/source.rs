@@ -167,7 +167,9 @@ impl Source {
             }
             summary.add(read);
             line(read);
-            found.drain(..).for_each(|diagnostic| each(diagnostic, &read.text));
+            if !found.is_empty() {
+                found.drain(..).for_each(|diagnostic| each(diagnostic, &read.text));
+            }
         }
         if is_run && summary.blocks > 0 && !summary.may_end {
             let last = &lines.line.text;
