@@ -195,7 +195,7 @@ impl Sector {
         let mut families: Vec<Vec<Wave>> = vec![Vec::new(); self.sectors / 2 + 1];
         loop {
             let mut known: Vec<f64> = families.iter().flatten().map(|wave| wave.omega_rad_per_s).collect();
-            known.sort_by(f64::total_cmp);
+            known.sort_unstable_by(f64::total_cmp);
             let limit = if count == 0 { 0.0 } else { known.get(count - 1).copied().unwrap_or(f64::INFINITY) };
             let mut is_done = true;
             for (diameters, family) in families.iter_mut().enumerate() {

@@ -30,7 +30,7 @@ impl Tool {
         }
         let knots = outside.knots().iter().chain(inside.map_or(&[][..], Profile::knots));
         let mut heights_mm: Vec<f64> = knots.map(|knot| knot.height_mm).collect();
-        heights_mm.sort_by(f64::total_cmp);
+        heights_mm.sort_unstable_by(f64::total_cmp);
         heights_mm.dedup();
         let mut slabs = Vec::new();
         for pair in heights_mm.windows(2) {

@@ -168,7 +168,7 @@ impl<'a> ToothMap<'a> {
         let fastest_hz = milling.modes.iter().map(|mode| mode.frequency_hz).fold(0.0, f64::max);
         let mut borders: Vec<f64> = milling.engaged_rad.iter().map(|angle| angle.rem_euclid(pitch_rad)).collect();
         borders.extend([0.0, pitch_rad]);
-        borders.sort_by(f64::total_cmp);
+        borders.sort_unstable_by(f64::total_cmp);
         let (mut steps, mut answers) = (Vec::new(), Vec::new());
         for border in borders.windows(2) {
             let [from_rad, to_rad] = [border[0], border[1]];

@@ -186,7 +186,7 @@ impl Machine {
         let Angles::Any { second_deg } = self.angles(self.nearest_pole(pose.axis)) else {
             return Err(Unreachable::Direction);
         };
-        firsts.sort_by(f64::total_cmp);
+        firsts.sort_unstable_by(f64::total_cmp);
         firsts.dedup();
         let mut places = Vec::new();
         for first_deg in firsts {

@@ -360,7 +360,7 @@ impl EdgeEngagement {
 impl Tips {
     fn new(ends: &[EndEdge]) -> Self {
         let mut angles_rad: Vec<f64> = ends.iter().map(|end| end.piece.angle_rad.rem_euclid(TAU)).collect();
-        angles_rad.sort_by(f64::total_cmp);
+        angles_rad.sort_unstable_by(f64::total_cmp);
         let whole_rad = angles_rad.first().map_or(TAU, |first_rad| first_rad + TAU);
         let next_rad = angles_rad.iter().skip(1).chain([&whole_rad]);
         let window_rad =

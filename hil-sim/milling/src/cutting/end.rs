@@ -149,7 +149,7 @@ impl EndEdge {
         if rays_mm.is_empty() {
             rays_mm.push((ends_mm[0] + ends_mm[1]) / 2.0);
         }
-        rays_mm.sort_by(f64::total_cmp);
+        rays_mm.sort_unstable_by(f64::total_cmp);
         let half_way_mm = rays_mm.windows(2).map(|pair| (pair[0] + pair[1]) / 2.0);
         let borders_mm: Vec<f64> = [ends_mm[0]].into_iter().chain(half_way_mm).chain([ends_mm[1]]).collect();
         rays_mm.into_iter().zip(borders_mm.windows(2).map(|pair| [pair[0], pair[1]])).collect()

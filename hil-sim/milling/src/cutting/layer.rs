@@ -60,7 +60,7 @@ impl Layer {
             let sides: Vec<Side> = (0..corners_mm.len()).map(|side| Side::new(corners_mm, side, axis)).collect();
             for ray in 0..layer.rays[axis].len() {
                 let mut ends: Vec<f64> = crossings(&sides, layer.place_mm(axis, ray)).map(|(_, at_mm)| at_mm).collect();
-                ends.sort_by(f64::total_cmp);
+                ends.sort_unstable_by(f64::total_cmp);
                 let pieces = ends.chunks_exact(2).map(|pair| Interval::new(pair[0], pair[1]));
                 layer.rays[axis][ray] = Dexel::new(pieces.collect());
             }

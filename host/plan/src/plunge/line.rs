@@ -123,7 +123,7 @@ fn lowest(lower: &[[f64; 2]], slope: f64) -> f64 {
 fn least_gap(upper: &[[f64; 2]], lower: &[[f64; 2]]) -> f64 {
     let gap = |slope: f64| highest(upper, slope) - lowest(lower, slope);
     let mut all: Vec<f64> = slopes(upper).chain(slopes(lower)).collect();
-    all.sort_by(f64::total_cmp);
+    all.sort_unstable_by(f64::total_cmp);
     // The gap falls up to its least value and then grows.
     let (mut low, mut high) = (0, all.len() - 1);
     while low < high {

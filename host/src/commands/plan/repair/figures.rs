@@ -195,8 +195,8 @@ fn of_region(result: &RepairResult, region: Region) -> RegionFigures {
         before.extend(node.along_mm);
         left.extend(*planned);
     }
-    before.sort_by(f64::total_cmp);
-    left.sort_by(f64::total_cmp);
+    before.sort_unstable_by(f64::total_cmp);
+    left.sort_unstable_by(f64::total_cmp);
     RegionFigures {
         region: region_word(region),
         places,
