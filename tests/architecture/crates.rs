@@ -133,7 +133,7 @@ fn what_can_be_used_alone_brings_little_along() {
 
 #[test]
 fn the_host_names_the_simulator_only_where_it_composes_it() {
-    let sources = rust_files("host/src");
+    let sources = rust_files_of(&["host/src", "host/program/src", "host/adapt/src"]);
     assert_eq!(naming(&sources, &SIMULATOR_CRATES, &COMPOSITION_ROOT), [""; 0]);
 }
 

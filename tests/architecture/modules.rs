@@ -15,6 +15,8 @@ const SINGLE: &str = "shared/units/src";
 fn roots() -> Vec<&'static str> {
     let others = [
         "host/port/src",
+        "host/program/src",
+        "host/adapt/src",
         "host/dnc/src",
         "host/src",
         "host/plan/src",

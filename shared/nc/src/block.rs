@@ -99,7 +99,6 @@ pub struct Parsed {
 
 impl Block {
     /// The last word with this letter, which is the one that counts; `None` without one.
-    #[inline]
     pub fn word(&self, letter: u8) -> Option<&Word> {
         if !self.may_have(letters(&[letter])) {
             return None;

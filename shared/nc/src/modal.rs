@@ -186,7 +186,6 @@ impl Modal {
 
     /// Origin of the work coordinate system in path coordinates, with the shift of G92, but without those of G52 and
     /// G68: in general the origin of the workpiece's drawing.
-    #[inline]
     pub fn work_origin(&self, tables: &Tables) -> Pose {
         tables.origin(self.system).plus(self.preset)
     }

@@ -205,7 +205,6 @@ impl Default for Tables {
 impl Tables {
     /// Origin of a work coordinate system in machine coordinates, with the external offset; `system` counts from 0 for
     /// G54.
-    #[inline]
     pub fn origin(&self, system: u16) -> Pose {
         self.systems.get(usize::from(system)).map_or(self.external, |origin| origin.plus(self.external))
     }

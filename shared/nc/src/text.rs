@@ -32,7 +32,6 @@ impl<'a> Lines<'a> {
 impl<'a> Iterator for Lines<'a> {
     type Item = RawLine<'a>;
 
-    #[inline]
     fn next(&mut self) -> Option<RawLine<'a>> {
         if self.rest.is_empty() {
             return None;

@@ -321,7 +321,6 @@ pub fn column(offset: usize) -> u16 {
 }
 
 /// Whether the line is a `%` mark: nothing but ignored characters stands before the `%`.
-#[inline]
 pub fn is_mark(line: &[u8]) -> bool {
     let code = line.strip_prefix(BYTE_ORDER_MARK).unwrap_or(line);
     code.iter().find(|byte| !is_ignored(**byte)) == Some(&b'%')

@@ -40,7 +40,7 @@ fn documented_keys_are_in_the_tables_that_docs_and_messages_name() {
         }
     }
     let mut checked = 0;
-    for (path, text) in texts_below("host/src") {
+    for (path, text) in ["host/src", "host/adapt/src"].into_iter().flat_map(texts_below) {
         // A message that names one table speaks of its keys.
         for line in text.lines().filter(|line| !line.trim_start().starts_with("//") && !line.contains("\\n")) {
             let mut named = tables.iter().filter(|(table, _)| line.contains(&format!("[{table}]")));
