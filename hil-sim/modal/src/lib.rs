@@ -1,7 +1,7 @@
 #![doc = include_str!("../README.md")]
 //!
-//! [`dynamics`] is the displacement of modes under forces, [`modal_point`] what the modes of a body are at one of its points, [`flexible`] a workpiece
-//! with its modes at the points of contact with a tool.
+//! [`modal_point`] has the mode shapes at one point of a body, [`dynamics`] the displacement of modes under forces, [`flexible`] a workpiece with its modes
+//! at the points of contact with a tool.
 
 pub mod modal_point;
 

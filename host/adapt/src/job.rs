@@ -65,8 +65,7 @@ pub use dnc::{DncSettings, TapeCode};
 pub use plunge::Plunge;
 use rule_scope::RuleScope;
 use schema::JobTable;
-pub use schema::Quantity;
-pub use schema::UnitWord;
+pub use schema::{Quantity, UnitWord};
 pub use spindle::SpindleLimits;
 pub use workpiece::Workpiece;
 

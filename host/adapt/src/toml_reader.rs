@@ -1,8 +1,8 @@
 //! Reading of TOML into types by serde, with the place of each value.
 //!
 //! The deserializer of `toml` shows a table to each type in three ways: as itself, with its place, and as a date. Each is compiled for each of some sixty types of files,
-//! which was a quarter of this crate's code. This one has a single way for all and calls only the function of a visitor that its type takes, with the same messages; no file here has dates, and all
-//! enums are words.
+//! which was a quarter of the code of `arcfeed`. This one has a single way for all. Of a type's visitor it calls only the function for the kind of value that the
+//! type asks for. The messages are those of `toml`; no file here has dates, and all enums are words.
 
 use std::ops::Range;
 use std::vec;

@@ -8,6 +8,7 @@ use serde::Serialize;
 use crate::job::workpiece::{AssumedStock, StockSource};
 use crate::plural::counted;
 
+/// Advice about a stock that is assumed.
 const TRUE_STOCK: &str = "; give the true stock with --stock";
 
 /// Cubic millimetres in a cubic centimetre.
@@ -209,6 +210,7 @@ impl LeftOutBlocks {
     }
 }
 
+/// Sentence about a stock without a job file: where it comes from, its extents, what to do about it.
 fn stock_words(stock: &AssumedStock) -> String {
     let [x, y, z] = [0, 1, 2].map(|axis| [stock.from[axis], stock.to[axis]].map(short).join(" .. "));
     let (origin, advice) = match stock.source {
