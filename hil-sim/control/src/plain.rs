@@ -143,9 +143,9 @@ impl PlainReader {
     }
 
     fn context(&self, understood: &InterpretedLine, contour: &ContourCommand) -> MoveContext {
-        let (modal, tables) = (self.reader.modal(), self.reader.tables());
-        let tool = modal.tool_length(tables);
-        let origin = modal.work_origin(tables).plus(along_z(tool));
+        let modal = self.reader.modal();
+        let tool = modal.tool_length(self.reader.tables());
+        let origin = modal.work_origin().plus(along_z(tool));
         let is_special = !understood.step.is_plain() || self.taps;
         let programmed_path = match modal.compensation {
             Some(_) if contour.offset == Nm(0) && !self.is_center_path => ProgrammedPath::Contour,

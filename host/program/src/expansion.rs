@@ -142,8 +142,8 @@ impl Program {
             let ExecutedStep::Block(block, Some(understood), reader) = step else { return };
             moves.add(understood);
             let line = in_main(block.place, &block.calls).line as usize;
-            let (modal, tables) = (reader.modal(), reader.tables());
-            path.add_block(line, understood, modal.machining(), modal.work_origin(tables));
+            let modal = reader.modal();
+            path.add_block(line, understood, modal.machining(), modal.work_origin());
             if keeps_moves {
                 run.extend(MoveTrace::of_block(line, understood, reader));
             }

@@ -138,7 +138,7 @@ pub struct ProgramLine {
 impl ProgramLine {
     /// Sets the state of a control that has executed the line, from `reader`.
     fn set_state(&mut self, reader: &Reader) {
-        self.origin = reader.modal().work_origin(reader.tables());
+        self.origin = reader.modal().work_origin();
         (self.tool_length, self.follows_tip) = move_trace::tool_of(reader);
         self.machining = reader.modal().machining();
     }

@@ -186,8 +186,8 @@ impl Modal {
 
     /// Origin of the work coordinate system in path coordinates, with the shift of G92, but without those of G52 and
     /// G68: in general the origin of the workpiece's drawing.
-    pub fn work_origin(&self, tables: &Tables) -> Pose {
-        tables.origin(self.system).plus(self.preset)
+    pub fn work_origin(&self) -> Pose {
+        self.frame.shift().minus(self.local)
     }
 
     /// Tool length compensation in force: distance along Z from path to machine coordinates, positive under G43 for a

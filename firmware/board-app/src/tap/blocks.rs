@@ -162,7 +162,7 @@ impl Blocks {
         if self.unknown != 0 {
             return BlockMotion::Nothing;
         }
-        let origin = self.reader.modal().work_origin(self.reader.tables());
+        let origin = self.reader.modal().work_origin();
         let segment = segment.shifted(Pose::ORIGIN.minus(origin));
         if core::mem::take(&mut self.is_detached) {
             return BlockMotion::Passes { via: None, to: segment.end };
@@ -190,7 +190,7 @@ impl Blocks {
     }
 
     fn in_workpiece(&self, position: Pose) -> Pose {
-        position.minus(self.reader.modal().work_origin(self.reader.tables()))
+        position.minus(self.reader.modal().work_origin())
     }
 }
 

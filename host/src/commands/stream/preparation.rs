@@ -212,7 +212,7 @@ impl PreparedProgram {
                 BlockLoad::of_time(text.len(), dwell)
             };
             let modal = reader.modal();
-            let origin = modal.work_origin(reader.tables());
+            let origin = modal.work_origin();
             (load, Some(LineMove { segment, origin, follows_tip: modal.follows_tool_center }))
         })
     }
