@@ -4,6 +4,8 @@
 use arcfeed_tests::{Scratch, number, object, root, run};
 use serde_json::Value;
 
+use crate::wheel::fast_part;
+
 const PART: &str = "examples/blisk-19/PART.toml";
 const MM_PER_INCH: f64 = 25.4;
 /// The rays of `simulate` on the planned stock stand this far apart, mm.
@@ -12,11 +14,7 @@ const RAYS_MM: f64 = 0.5;
 #[test]
 fn the_example_rotor_is_planned_checked_simulated_and_streamed() {
     let scratch = Scratch::new("plan-chain");
-    // Ten times the spindle speed: a tenth of the machine's time.
-    let text = std::fs::read_to_string(root().join(PART)).expect("the example");
-    let text =
-        text.replace("rev_per_min = 100\n", "rev_per_min = 1000\n").replace("axial_feed = 2\n", "axial_feed = 20\n");
-    let part = scratch.write("PART.toml", &text);
+    let part = scratch.write("PART.toml", fast_part());
     let folder = scratch.path("out");
     let plan = object(&["plan", "cup-mill", &part, "-o", &folder]);
     let levels = plan["levels"].as_array().expect("levels").len();

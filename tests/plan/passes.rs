@@ -6,7 +6,7 @@ use arcfeed_plan::geometry::blisk::Blisk;
 use arcfeed_plan::optimisation::Problem;
 use arcfeed_plan::proof::verdict::{ProofCase, ProofResolution, prove};
 use arcfeed_plan::vector::Vector;
-use arcfeed_tests::{Scratch, number, object, root, run};
+use arcfeed_tests::{Scratch, number, object, run};
 use nalgebra::Rotation3;
 use serde_json::Value;
 
@@ -14,7 +14,7 @@ use crate::proof_cases::published_tool;
 use crate::proof_dexels::Dexels;
 use crate::proof_published::{ALLOWANCE_MM, ROUGHING};
 use crate::published_rotor;
-use crate::wheel::MM3_PER_IN3;
+use crate::wheel::{MM3_PER_IN3, coarse_part};
 
 /// Tool axis of the rotor with 13 blades with which one pass removes most; the roomiest axis takes much of what that leaves.
 const BEST_AXIS: [f64; 3] = [0.974, 0.226, 0.0];
@@ -70,12 +70,8 @@ fn a_second_pass_removes_what_the_dexels_lose() {
 }
 
 fn part(passes_max: u32) -> String {
-    let text = std::fs::read_to_string(root().join("examples/blisk-19/PART.toml")).expect("the example");
-    // Ten times the spindle speed: a tenth of the machine's time. Levels of four times the depth: a quarter of the cuts.
-    text.replace("blades = 19", "blades = 13")
-        .replace("rev_per_min = 100\n", "rev_per_min = 1000\n")
-        .replace("axial_feed = 2\n", "axial_feed = 20\n")
-        .replace("axial_depth_max = 0.1\n", "axial_depth_max = 0.4\n")
+    coarse_part()
+        .replace("blades = 19", "blades = 13")
         .replace("[roughing]", &format!("[roughing]\npasses_max = {passes_max}"))
 }
 

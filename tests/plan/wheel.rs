@@ -10,12 +10,20 @@ pub const MM3_PER_IN3: f64 = 25.4 * 25.4 * 25.4;
 /// Volume of the example's blank, from its bore 5 mm below the hub.
 const BLANK_MM3: f64 = PI * (98.6 * 98.6 - 65.0 * 65.0) * 28.0;
 
-/// The example's part file with ten times the spindle speed, so a tenth of the machine's time, and one tool axis to try.
-fn part() -> String {
+/// The example's part file with ten times the spindle speed, so a tenth of the machine's time.
+pub fn fast_part() -> String {
     let text = std::fs::read_to_string(root().join("examples/blisk-19/PART.toml")).expect("the example");
-    text.replace("rev_per_min = 100\n", "rev_per_min = 1000\n")
-        .replace("axial_feed = 2\n", "axial_feed = 20\n")
-        .replace("[roughing]", "[roughing]\naxis = \"roomiest\"")
+    text.replace("rev_per_min = 100\n", "rev_per_min = 1000\n").replace("axial_feed = 2\n", "axial_feed = 20\n")
+}
+
+/// [`fast_part`] with levels of four times the depth, so a quarter of the cuts.
+pub fn coarse_part() -> String {
+    fast_part().replace("axial_depth_max = 0.1\n", "axial_depth_max = 0.4\n")
+}
+
+/// [`fast_part`] with one tool axis to try.
+fn part() -> String {
+    fast_part().replace("[roughing]", "[roughing]\naxis = \"roomiest\"")
 }
 
 /// Sequence number with which each slot begins.
