@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::command::{Failure, cargo, output};
 
 /// The test programs, those that take longest first: two start at once, and a long one at the end would leave a core idle.
-const PROGRAMS: [&str; 8] = ["linuxcnc", "plan", "board", "line", "feed", "program", "machine", "architecture"];
+const PROGRAMS: [&str; 8] = ["linuxcnc", "line", "plan", "board", "feed", "machine", "program", "architecture"];
 /// The test programs that `quick` runs.
 const QUICK: [&str; 12] = [
     "--lib",
