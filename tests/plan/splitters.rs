@@ -13,7 +13,7 @@ use arcfeed_plan::optimisation::Problem;
 use arcfeed_plan::proof::clearance::Obstacle;
 use arcfeed_plan::proof::verdict::{Proof, ProofCase, ProofResolution, prove};
 use arcfeed_plan::vector::Vector;
-use arcfeed_tests::{Scratch, number, object, run};
+use arcfeed_tests::{Scratch, number, object, root, run};
 use nalgebra::Rotation3;
 
 use crate::files;
@@ -24,7 +24,6 @@ use crate::refusals::CURVES;
 use crate::sampler::Sampler;
 use crate::symmetry::{SAME_MM, differences_mm, moved};
 use crate::twisted::{BLANK_MM, HUB_MM, ROTORS, Twisted, ring, roughing};
-use crate::wheel::coarse_part;
 
 /// Largest difference of the bounds of a distance in a fine proof, mm.
 const GAP_MM: f64 = 1e-5;
@@ -168,7 +167,7 @@ fn a_path_through_a_splitter_is_not_proven() {
 
 /// Part of 9 main blades with their copies, half a pitch on, as splitters.
 fn part(slot: u32) -> String {
-    let text = coarse_part();
+    let text = std::fs::read_to_string(root().join("examples/blisk-19/PART.toml")).expect("the example");
     let generate = text.lines().find(|line| line.starts_with("generate")).expect("the rotor").to_owned();
     text.replace(&generate, CURVES).replace("[roughing]", &format!("[roughing]\nslot = {slot}\naxis = \"blade\""))
 }

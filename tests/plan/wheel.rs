@@ -16,11 +16,6 @@ pub fn fast_part() -> String {
     text.replace("rev_per_min = 100\n", "rev_per_min = 1000\n").replace("axial_feed = 2\n", "axial_feed = 20\n")
 }
 
-/// [`fast_part`] with levels of four times the depth, so a quarter of the cuts.
-pub fn coarse_part() -> String {
-    fast_part().replace("axial_depth_max = 0.1\n", "axial_depth_max = 0.4\n")
-}
-
 /// [`fast_part`] with one tool axis to try.
 fn part() -> String {
     fast_part().replace("[roughing]", "[roughing]\naxis = \"roomiest\"")

@@ -255,6 +255,33 @@ fn offsets_move_the_path_and_not_the_program() {
 }
 
 #[test]
+fn the_origin_of_the_workpiece_follows_offsets_and_g92_but_neither_g52_nor_g68() {
+    let mut reader = reader(|_, tables| {
+        tables.external.linear[0] = Nm::from_mm(1000.0);
+        tables.systems[0].linear[0] = Nm::from_mm(100.0);
+        tables.systems[1].linear[0] = Nm::from_mm(200.0);
+    });
+    let lines = [
+        ("G0X1.", 1100.0),
+        ("G55X1.", 1200.0),
+        ("G52X5.", 1200.0),
+        ("X1.", 1200.0),
+        // The tool stands at 1206.
+        ("G92X50.", 1156.0),
+        ("G52X-7.", 1156.0),
+        ("G68X0Y0R30.", 1156.0),
+        ("G10L2P2X210.", 1166.0),
+        ("G69", 1166.0),
+        ("G92.1X0", 1210.0),
+        ("G54", 1100.0),
+    ];
+    for (line, wanted_mm) in lines {
+        run(&mut reader, line);
+        assert_eq!(reader.modal().work_origin().linear[0].to_mm(), wanted_mm, "{line}");
+    }
+}
+
+#[test]
 fn the_way_to_a_reference_point_leads_by_way_of_the_point_given() {
     let mut reader = reader(|settings, tables| {
         settings.reference[0].linear = [Nm(0), Nm(0), Nm::from_mm(400.0)];
