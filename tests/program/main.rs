@@ -10,6 +10,8 @@ mod command_help;
 
 mod compensation;
 
+mod coordinates;
+
 mod bolt_circles;
 mod cycles;
 
