@@ -143,7 +143,7 @@ impl Program {
             moves.add(understood);
             let line = in_main(block.place, &block.calls).line as usize;
             let modal = reader.modal();
-            path.add_block(line, understood, modal.machining(), modal.work_origin());
+            path.add_block(line, understood, &modal.machining(), &modal.work_origin());
             if keeps_moves {
                 run.extend(MoveTrace::of_block(line, understood, reader));
             }

@@ -91,9 +91,8 @@ impl LineReader {
         if self.has_ended {
             return self.pass_over(line, found);
         }
-        let is_blank = is_blank(text);
-        self.has_ended = self.has_begun && is_mark(text);
-        self.has_begun |= !is_blank;
+        let had_begun = self.has_begun;
+        self.has_begun |= !is_blank(text);
         if is_flow_word(text) {
             found.push(Diagnostic::of_flow_word(self.count, text));
             (line.meaning, line.skipping) = (None, None);
@@ -102,13 +101,19 @@ impl LineReader {
         if self.has_slashes {
             self.skipping.fork(text, &self.reader);
         }
-        match self.reader.read_into(text, line.meaning.get_or_insert_default()) {
-            Ok(()) => line.meaning.iter().for_each(|understood| self.note(text, understood, found)),
+        let understood = line.meaning.get_or_insert_default();
+        let is_mark = match self.reader.read_into(text, understood) {
+            Ok(()) => {
+                self.note(text, understood, found);
+                understood.parsed.line == LineKind::ProgramMark
+            }
             Err(fault) => {
                 found.push(Diagnostic::of_fault(self.count, text, fault));
                 line.meaning = None;
+                is_mark(text)
             }
-        }
+        };
+        self.has_ended = had_begun && is_mark;
         line.set_state(&self.reader);
         line.skipping = self.skipping.read(text, line, &self.reader);
     }

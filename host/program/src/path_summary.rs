@@ -111,16 +111,16 @@ impl PathSummary {
     /// Adds the next line of a program without macro statements.
     pub fn add_line(&mut self, line: &ProgramLine) {
         self.lines += 1;
-        let before = self.current;
+        let before = self.current.map(|(number, _)| number);
         let comment = if line.has_no_comment() { None } else { comment_in(&line.text) };
         self.add_comment(comment);
         match &line.meaning {
-            Some(meaning) => self.add_block(self.lines, meaning, line.machining, line.origin),
+            Some(meaning) => self.add_block(self.lines, meaning, &line.machining, &line.origin),
             None => self.has_unread_lines = true,
         }
         let words = line.meaning.as_ref().map(|meaning| &meaning.parsed.block);
         let selected = words.and_then(|words| words.word(b'T')).and_then(|word| word.number.as_whole());
-        let loaded = self.current.filter(|_| self.current != before).and_then(|(number, _)| number);
+        let loaded = self.current.map(|(number, _)| number).filter(|number| Some(*number) != before).flatten();
         let change = selected.or(loaded);
         if comment.is_some() || change.is_some() {
             self.comments.notes.read(self.lines, comment.unwrap_or_default(), change);
@@ -143,7 +143,7 @@ impl PathSummary {
     }
 
     /// Adds a block that is executed.
-    pub fn add_block(&mut self, line: usize, block: &InterpretedLine, machining: Machining, origin: Pose) {
+    pub fn add_block(&mut self, line: usize, block: &InterpretedLine, machining: &Machining, origin: &Pose) {
         let words = &block.parsed.block;
         for code in words.words.iter().filter(|word| word.letter == b'G').filter_map(|word| word.number.as_whole()) {
             match code {
@@ -175,7 +175,7 @@ impl PathSummary {
             }
             if segment.path != Path::Rapid {
                 cuts = true;
-                self.extend(segment, &origin);
+                self.extend(segment, origin);
             }
         };
         block.segment.iter().for_each(&mut add);
@@ -229,16 +229,15 @@ impl PathSummary {
     }
 
     fn extend(&mut self, segment: &Segment, origin: &Pose) {
-        each_extreme(segment, origin, |axis, value| self.include(axis, value));
-    }
-
-    fn include(&mut self, axis: usize, value: f64) {
-        let [low, high] = self.extents[axis].get_or_insert([value; 2]);
-        if value < *low {
-            *low = value;
-        } else if value > *high {
-            *high = value;
-        }
+        each_extreme(segment, origin, |axis, reached| {
+            let [low, high] = self.extents[axis].get_or_insert(reached);
+            if reached[0] < *low {
+                *low = reached[0];
+            }
+            if reached[1] > *high {
+                *high = reached[1];
+            }
+        });
     }
 
     /// Tools that make at least one move.
@@ -247,19 +246,24 @@ impl PathSummary {
     }
 }
 
-/// Passes the coordinates relative to the origin between which a move stays to `include`, each with its axis: X, Y, Z in mm, A, B, C in degrees.
-pub fn each_extreme(segment: &Segment, origin: &Pose, mut include: impl FnMut(usize, f64)) {
+/// Calls `include` with an axis, and the lowest and highest coordinate that a move reaches there, relative to the origin: X, Y, Z in mm, A, B, C
+/// in degrees. An axis may have several such ranges.
+pub fn each_extreme(segment: &Segment, origin: &Pose, mut include: impl FnMut(usize, [f64; 2])) {
     let Segment { start, end, path, .. } = segment;
-    let length_mm = |at: Nm, origin: Nm| Nm(at.0 - origin.0).to_mm();
-    let angle_deg = |at: MicroDeg, origin: MicroDeg| MicroDeg(at.0 - origin.0).to_deg();
+    let sorted = |[one, other]: [i64; 2]| if one < other { [one, other] } else { [other, one] };
+    let length_mm = |at: i64, origin: Nm| Nm(at - origin.0).to_mm();
     for index in 0..3 {
-        if start.linear[index] != end.linear[index] || matches!(path, Path::Arc(_)) {
-            include(index, length_mm(start.linear[index], origin.linear[index]));
-            include(index, length_mm(end.linear[index], origin.linear[index]));
+        let ends = [start, end].map(|pose| pose.linear[index].0);
+        if ends[0] != ends[1] || matches!(path, Path::Arc(_)) {
+            include(index, sorted(ends).map(|at| length_mm(at, origin.linear[index])));
         }
-        if start.rotary[index] != end.rotary[index] {
-            include(3 + index, angle_deg(start.rotary[index], origin.rotary[index]));
-            include(3 + index, angle_deg(end.rotary[index], origin.rotary[index]));
+    }
+    if start.rotary != end.rotary {
+        for index in 0..3 {
+            let ends = [start, end].map(|pose| pose.rotary[index].0);
+            if ends[0] != ends[1] {
+                include(3 + index, sorted(ends).map(|at| MicroDeg(at - origin.rotary[index].0).to_deg()));
+            }
         }
     }
     if let Path::Arc(arc) = path {
@@ -268,7 +272,7 @@ pub fn each_extreme(segment: &Segment, origin: &Pose, mut include: impl FnMut(us
         for (quarter, _) in crossed.into_iter().enumerate().filter(|(_, is_crossed)| *is_crossed) {
             let (axis, center) = if quarter % 2 == 0 { (first, arc.center[0]) } else { (second, arc.center[1]) };
             let outwards_mm = if quarter < 2 { radius_mm } else { -radius_mm };
-            include(axis, length_mm(center, origin.linear[axis]) + outwards_mm);
+            include(axis, [length_mm(center.0, origin.linear[axis]) + outwards_mm; 2]);
         }
     }
 }
@@ -294,14 +298,12 @@ impl ToolUse {
             Feed::PerMinute(feed) if feed.0 > 0 => {
                 let [low, high] = self.feed.unwrap_or([feed; 2]);
                 self.feed = Some([low.min(feed), high.max(feed)]);
-                // F of a move of rotary axes alone is in degrees per minute.
-                let turned: i64 = (0..3)
-                    .map(|axis| (segment.end.rotary[axis].0 - segment.start.rotary[axis].0).abs())
-                    .max()
-                    .unwrap_or(0);
                 let minutes = if length_mm > 0.0 {
                     feed_length_mm / feed.to_mm()
                 } else {
+                    // F of a move of rotary axes alone is in degrees per minute.
+                    let [start, end] = [segment.start, segment.end].map(|pose| pose.rotary);
+                    let turned = (0..3).map(|axis| (end[axis].0 - start[axis].0).abs()).max().unwrap_or(0);
                     MicroDeg(turned).to_deg() / (feed.0 as f64 / unit.nm() as f64)
                 };
                 self.cutting_s += minutes * S_PER_MIN;

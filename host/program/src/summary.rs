@@ -38,8 +38,10 @@ impl ProgramSummary {
     /// Counts the next line.
     pub fn add(&mut self, line: &ProgramLine) {
         self.lines += 1;
-        self.blocks += usize::from(line.is_block());
-        self.comments += usize::from(line.is_block() && is_comment(line));
+        if line.is_block() {
+            self.blocks += 1;
+            self.comments += usize::from(is_comment(line));
+        }
         self.may_end |= may_end(line);
         line.meaning.iter().for_each(|meaning| self.moves.add(meaning));
         if let ToolInSpindle::Number(number @ 1..) = line.machining.tool

@@ -240,10 +240,10 @@ impl Survey {
         if segment.path == Path::Rapid {
             return;
         }
-        each_extreme(segment, &Pose::ORIGIN, |axis, value| {
+        each_extreme(segment, &Pose::ORIGIN, |axis, reached| {
             if let Some(extent) = self.extents_mm.get_mut(axis) {
-                let [low, high] = extent.get_or_insert([value; 2]);
-                (*low, *high) = (low.min(value), high.max(value));
+                let [low, high] = extent.get_or_insert(reached);
+                (*low, *high) = (low.min(reached[0]), high.max(reached[1]));
             }
         });
         let index = self.uses.iter().position(|used| used.tool == tool).unwrap_or_else(|| {

@@ -187,13 +187,17 @@ impl Modal {
     /// Origin of the work coordinate system in path coordinates, with the shift of G92, but without those of G52 and
     /// G68: in general the origin of the workpiece's drawing.
     pub fn work_origin(&self) -> Pose {
-        self.frame.shift().minus(self.local)
+        let shift = self.frame.shift();
+        if self.local == Pose::ORIGIN { shift } else { shift.minus(self.local) }
     }
 
     /// Tool length compensation in force: distance along Z from path to machine coordinates, positive under G43 for a
     /// positive offset.
     pub fn tool_length(&self, tables: &Tables) -> Nm {
-        Nm(tables.length(self.length_offset).0.saturating_mul(i64::from(self.length_sign)))
+        match i64::from(self.length_sign) {
+            0 => Nm(0),
+            sign => Nm(tables.length(self.length_offset).0.saturating_mul(sign)),
+        }
     }
 
     /// Position of the axes in machine coordinates: that of the path, plus the tool length compensation along Z.
