@@ -3,12 +3,11 @@
 //!
 //! If the ring does not pass over the whole depth, the lowest parts of the sides are left out until it does.
 
-use rayon::iter::{IntoParallelIterator, IntoParallelRefIterator, ParallelIterator};
-
 use crate::cup_mill::free_width::{DirectionGrid, FreeWidth, LEAN_MAX_RAD, LEAN_STEP_RAD, leans};
 use crate::cup_mill::plan::{PreparedSlot, ValuedPlan};
 use crate::cup_mill::side::EIGHTHS;
 use crate::cutter::CupMill;
+use crate::parallel;
 
 /// One combination of start edge, tool direction and depth that the search has tried, with its plan.
 #[derive(Clone, Debug)]
@@ -46,7 +45,7 @@ const AROUND: [[f64; 2]; 8] =
     [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]];
 
 /// Search for the best direction of the tool, over all directions and both start edges.
-pub struct AxisSearch<'s, V> {
+pub struct AxisSearch<'s> {
     /// The slot prepared for paths from its leading and from its trailing edges.
     pub prepared: &'s [PreparedSlot; 2],
     /// Cutter.
@@ -55,19 +54,18 @@ pub struct AxisSearch<'s, V> {
     pub step_rad: f64,
     /// Function that returns a plan with the fraction that it removes, by index of the start edges, tool direction and the uncut eighths of the
     /// blades' height (from the hub up); `None` if there is no plan.
-    pub value: V,
+    pub value: &'s (dyn Fn(usize, FreeWidth, usize) -> Option<ValuedPlan> + Sync),
 }
 
-impl<V: Fn(usize, FreeWidth, usize) -> Option<ValuedPlan> + Sync> AxisSearch<'_, V> {
+impl AxisSearch<'_> {
     /// Best directions, at a minimum distance from each other.
     pub fn best(&self) -> Vec<Candidate> {
         // Every second place, as on a chessboard.
         let grid = || leans().step_by(2);
         let places: Vec<(usize, [f64; 2])> = (0..2).flat_map(|edge| grid().map(move |at| (edge, at))).collect();
-        let found: Vec<Candidate> = places.into_par_iter().filter_map(|(edge, at)| self.candidate(edge, at)).collect();
+        let found = parallel::filter_map(&places, &|(edge, at)| self.candidate(*edge, *at));
         let starts = apart(found, STARTS);
-        let refined = starts.into_par_iter().map(|start| self.refined(start)).collect();
-        apart(refined, STARTS)
+        apart(parallel::map(&starts, &|start| self.refined(start.clone())), STARTS)
     }
 
     /// Directions that another search has found, by the values of this one, and first what is found about the best of them.
@@ -76,7 +74,7 @@ impl<V: Fn(usize, FreeWidth, usize) -> Option<ValuedPlan> + Sync> AxisSearch<'_,
             let valued = (self.value)(start.edge, start.free_width, start.uncut_eighths)?;
             Some(Candidate { valued, ..start.clone() })
         };
-        let mut valued = apart(starts.par_iter().filter_map(valued).collect(), STARTS);
+        let mut valued = apart(parallel::filter_map(starts, &valued), STARTS);
         let refined = valued.first().map(|best| self.refined(best.clone()));
         valued.splice(0..0, refined);
         valued
@@ -116,7 +114,7 @@ impl<V: Fn(usize, FreeWidth, usize) -> Option<ValuedPlan> + Sync> AxisSearch<'_,
                 AROUND.map(|by| [0, 1].map(|k: usize| (best.at[k] + by[k] * step).clamp(-LEAN_MAX_RAD, LEAN_MAX_RAD)));
             let is_new = |at: &[f64; 2]| !tried.iter().any(|other| distance_rad(at, other) < SAME_RAD);
             let places: Vec<[f64; 2]> = places.into_iter().filter(is_new).collect();
-            let around: Vec<Candidate> = places.par_iter().filter_map(|at| self.candidate(best.edge, *at)).collect();
+            let around = parallel::filter_map(&places, &|at| self.candidate(best.edge, *at));
             tried.extend(places);
             let nearest = around.into_iter().max_by(|a, b| a.share_ratio().total_cmp(&b.share_ratio()));
             match nearest.filter(|near| near.share_ratio() > best.share_ratio()) {

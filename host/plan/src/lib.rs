@@ -17,6 +17,8 @@ pub mod vector;
 
 pub mod search;
 
+mod parallel;
+
 pub mod geometry;
 
 pub mod cutter;

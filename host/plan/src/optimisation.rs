@@ -14,6 +14,7 @@ use crate::cup_mill::turns::Surroundings;
 use crate::cutter::CupMill;
 use crate::geometry::blisk::{Blisk, Slot};
 use crate::geometry::turning_height::highest_mm;
+use crate::parallel;
 use crate::path::Pass;
 use crate::proof::earlier::{Earlier, EarlierFloor};
 use crate::proof::floor::Floor;
@@ -59,7 +60,7 @@ impl<'p> Problem<'p> {
             return Err(Infeasible::NoSlot { blades: blisk.count().unsigned_abs() });
         }
         let from = |start| PreparedSlot::new(blisk, slot, roughing.allowance_mm, start, Some(GRAIN_MM));
-        let (leading, trailing) = rayon::join(|| from(StartEdge::Leading), || from(StartEdge::Trailing));
+        let (leading, trailing) = parallel::join(|| from(StartEdge::Leading), || from(StartEdge::Trailing));
         let (earlier, floors) = (Vec::new(), Vec::new());
         Ok(Problem { blisk, cutter, roughing, fixture: &[], earlier, floors, prepared: [leading?, trailing?] })
     }
@@ -109,7 +110,7 @@ impl<'p> Problem<'p> {
 
     fn along_with(&self, cutter: &CupMill, axis: AxisChoice) -> Result<ValuedPlan, Infeasible> {
         let from = |edge: usize| self.full(cutter, edge, axis, 0);
-        match rayon::join(|| from(0), || from(1)) {
+        match parallel::join(|| from(0), || from(1)) {
             (Ok(leading), Ok(trailing)) if trailing.share_ratio > leading.share_ratio => Ok(trailing),
             (Err(_), Ok(trailing)) => Ok(trailing),
             (leading, _) => leading,
@@ -137,7 +138,7 @@ impl<'p> Problem<'p> {
         &self,
         cutter: &CupMill,
         axis: Option<AxisChoice>,
-        admits: &(impl Fn(&SlotPlan) -> bool + Sync),
+        admits: &(dyn Fn(&SlotPlan) -> bool + Sync),
     ) -> Result<f64, Infeasible> {
         let (_, proof) = self.proven_with(cutter, axis, admits)?;
         if self.holds(&proof) { Ok(proof.removed.share_ratio()) } else { Err(Infeasible::Unproven) }
@@ -147,7 +148,7 @@ impl<'p> Problem<'p> {
         &self,
         cutter: &CupMill,
         axis: Option<AxisChoice>,
-        admits: &(impl Fn(&SlotPlan) -> bool + Sync),
+        admits: &(dyn Fn(&SlotPlan) -> bool + Sync),
     ) -> Result<(ValuedPlan, Proof), Infeasible> {
         let ranked = match axis {
             Some(axis) => vec![self.along_with(cutter, axis)?],
@@ -186,7 +187,7 @@ impl<'p> Problem<'p> {
     fn ranked_with(
         &self,
         cutter: &CupMill,
-        admits: &(impl Fn(&SlotPlan) -> bool + Sync),
+        admits: &(dyn Fn(&SlotPlan) -> bool + Sync),
     ) -> Result<Vec<ValuedPlan>, Infeasible> {
         let on_samples = |levels_max: u32, cell_mm: f64| {
             move |edge: usize, free_width: FreeWidth, uncut_eighths: usize| {
@@ -203,13 +204,13 @@ impl<'p> Problem<'p> {
         };
         let prepared = &self.prepared;
         let step_rad = LEAN_STEP_RAD / 2.0;
-        let few = AxisSearch { prepared, cutter, step_rad, value: on_samples(COARSE_LEVELS, COARSE_CELL_MM) };
-        let all = AxisSearch { prepared, cutter, step_rad, value: on_samples(u32::MAX, CELL_MM) };
-        let exact = AxisSearch { prepared, cutter, step_rad: LEAN_STEP_RAD / 4.0, value: full };
+        let few = AxisSearch { prepared, cutter, step_rad, value: &on_samples(COARSE_LEVELS, COARSE_CELL_MM) };
+        let all = AxisSearch { prepared, cutter, step_rad, value: &on_samples(u32::MAX, CELL_MM) };
+        let exact = AxisSearch { prepared, cutter, step_rad: LEAN_STEP_RAD / 4.0, value: &full };
         let along = |axis: AxisChoice| self.along_with(cutter, axis);
-        let (found, (blade, roomiest)) = rayon::join(
+        let (found, (blade, roomiest)) = parallel::join(
             || exact.near(&all.near(&few.best())),
-            || rayon::join(|| along(AxisChoice::Blade), || along(AxisChoice::Roomiest)),
+            || parallel::join(|| along(AxisChoice::Blade), || along(AxisChoice::Roomiest)),
         );
         let found = found.into_iter().map(|one| Ok(one.valued));
         let all = found.chain([blade, roomiest.clone()]).flatten();

@@ -3,10 +3,9 @@
 //! A wider ring with the same limit points lies closer to both blades, until it does not pass any more. Each ring is planned and
 //! proven as the part's own one is.
 
-use rayon::iter::{IntoParallelIterator, ParallelExtend, ParallelIterator};
-
 use crate::cup_mill::infeasibility::Infeasible;
 use crate::cutter::CupMill;
+use crate::parallel;
 
 /// One ring of a cup mill that was tried in a slot, with the result of its plan.
 #[derive(Clone, Debug)]
@@ -68,7 +67,7 @@ pub fn trials(cutter: &CupMill, share_ratio: impl Fn(&CupMill) -> Result<f64, In
     let step_mm = (high * own_mm - least_mm) / f64::from(LOOKS);
     let grid = (0..=LOOKS).map(|k| least_mm + step_mm * f64::from(k)).filter(|width_mm| !is_same(*width_mm, own_mm));
     let widths_mm: Vec<f64> = grid.chain([own_mm]).collect();
-    let mut by_width: Vec<Trial> = widths_mm.into_par_iter().map(|width_mm| trial(own_middle_mm, width_mm)).collect();
+    let mut by_width: Vec<Trial> = parallel::map(&widths_mm, &|width_mm| trial(own_middle_mm, *width_mm));
     let most =
         |trials: &[Trial]| trials.iter().max_by(|a, b| a.worth().total_cmp(&b.worth())).map_or(own_mm, |t| t.width_mm);
     let best_mm = most(&by_width);
@@ -76,13 +75,13 @@ pub fn trials(cutter: &CupMill, share_ratio: impl Fn(&CupMill) -> Result<f64, In
     for _ in 0..SECTIONS {
         let inner = [GOLDEN, 1.0 - GOLDEN].map(|share| ends[0] * share + ends[1] * (1.0 - share));
         let new: Vec<f64> = inner.into_iter().filter(|width_mm| tried(&by_width, *width_mm).is_none()).collect();
-        by_width.par_extend(new.into_par_iter().map(|width_mm| trial(own_middle_mm, width_mm)));
+        by_width.extend(parallel::map(&new, &|width_mm| trial(own_middle_mm, *width_mm)));
         let [low, high] = inner.map(|width_mm| tried(&by_width, width_mm).map(Trial::worth));
         ends = if low > high { [ends[0], inner[1]] } else { [inner[0], ends[1]] };
     }
     by_width.sort_by(|a, b| a.width_mm.total_cmp(&b.width_mm));
     let best_mm = most(&by_width);
-    let by_middle = MIDDLES.into_par_iter().map(|ratio| trial(ratio * own_middle_mm, best_mm)).collect();
+    let by_middle = parallel::map(&MIDDLES, &|ratio| trial(ratio * own_middle_mm, best_mm));
     [by_width, by_middle]
 }
 

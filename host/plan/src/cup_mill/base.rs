@@ -12,6 +12,7 @@
 //! point.
 
 use crate::cutter::CupMill;
+use crate::parallel;
 use crate::search::Minimum;
 use crate::vector::{Flat, Point};
 
@@ -82,7 +83,7 @@ pub fn settle(limits: &Limits<'_>, cutter: &CupMill, lines: [Flat; 2]) -> Option
     for _ in 0..EXCHANGES_MAX {
         let base = triangle(exterior, interior, radii_mm, limits.hollow)?;
         let off = |place: Flat| (place - base.centre).norm();
-        let (outer, inner) = rayon::join(
+        let (outer, inner) = parallel::join(
             || least(&limits.outside, |p| off(p.xy()) - radii_mm[0]),
             || least(&limits.inside, |p| radii_mm[1] - off(p.xy())),
         );

@@ -22,10 +22,10 @@
 //! with b the blade's axis; d and b are leans across the slot and tilts along it ([`DirectionGrid`]).
 
 use nalgebra::Vector2;
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::cutter::CupMill;
 use crate::frame::slot_frame;
+use crate::parallel;
 use crate::search::{Minimum, Steps, descend_to};
 use crate::vector::{Flat, Point, Vector};
 
@@ -129,11 +129,8 @@ impl SidePoints {
         let steps = Steps { first: [LEAN_STEP_RAD / 2.0, 0.0], finest: FINEST_LEAN };
         let best_lean = |start: Minimum| descend_to([range, [start.at[1]; 2]], start, steps, |at| valued(at).value);
         let tilts: Vec<f64> = grid_leans().collect();
-        let rows = tilts
-            .into_par_iter()
-            .filter_map(|tilt| least(grid_leans().map(|lean| valued([lean, tilt]))))
-            .map(best_lean);
-        let row = least(rows.collect::<Vec<_>>())?;
+        let row = |tilt: &f64| least(grid_leans().map(|lean| valued([lean, *tilt]))).map(best_lean);
+        let row = least(parallel::filter_map(&tilts, &row))?;
         let at_tilt = |tilt: f64| best_lean(valued([row.at[0], tilt]));
         let start = Minimum { at: [row.at[1], 0.0], ..row };
         let found = descend_to([range, [0.0; 2]], start, steps, |[tilt, _]| at_tilt(tilt).value);

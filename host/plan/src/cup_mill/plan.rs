@@ -9,6 +9,7 @@ use crate::frame::slot_frame;
 use crate::geometry::blisk::{Blisk, Slot};
 use crate::geometry::face::Face;
 use crate::geometry::turning_height::highest_mm;
+use crate::parallel;
 use crate::path::{Pass, SlotPath};
 use crate::vector::{Point, Vector};
 
@@ -117,9 +118,9 @@ impl PreparedSlot {
         let (form, blisk, slot) = NormalForm::of(blisk, slot, start, grain_mm);
         let above = Hub { hub: &blisk.hub, allowance_mm };
         let trim = |face, far, name| SideRange::new(face, far, &above).ok_or(Infeasible::NoFoot(name));
-        let (sides, blade_axis) = rayon::join(
+        let (sides, blade_axis) = parallel::join(
             || {
-                rayon::join(
+                parallel::join(
                     || trim(&slot.pressure, FarEdge::Trailing, "pressure"),
                     || trim(&slot.suction, FarEdge::Leading, "suction"),
                 )

@@ -1,9 +1,9 @@
 //! Both turns out of the base position, level by level, and the lowest level at which they are clear of the hub.
 
 use arcfeed_nc::modal::Turn;
-use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::cutter::CupMill;
+use crate::parallel;
 use crate::path::SlotPath;
 use crate::search::{Minimum, descend};
 use crate::vector::{Flat, Point};
@@ -137,7 +137,7 @@ impl<'a> Turns<'a> {
         let walls: Vec<&Patch> = obstacles.iter().map(|(_, patch)| *patch).collect();
         obstacles.insert(2, (StopSurface::Hub, &self.around.hub));
         let alone = |height_mm: &f64| self.pivots.map(|pivot| stop(&self.turning(pivot, *height_mm), &obstacles));
-        let met: Vec<[Stop; 2]> = heights_mm.par_iter().map(alone).collect();
+        let met = parallel::map(heights_mm, &alone);
         let mut below: Option<([Stop; 2], f64)> = None;
         let mut stops: Vec<[Stop; 2]> = Vec::new();
         for (index, height_mm) in heights_mm.iter().enumerate().rev() {

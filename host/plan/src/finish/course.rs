@@ -7,8 +7,8 @@
 //! Source: ours.
 
 use arcfeed_kinematics::machine::Machine;
-use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
+use crate::parallel;
 use crate::vector::Vector;
 
 use super::axis::{AxisProgram, Station, shares};
@@ -22,6 +22,8 @@ const STATIONS: usize = 24;
 const GRID_DEG: f64 = 7.5;
 /// Largest angle of candidates from the direction out of the rotor.
 const CONE_DEG: f64 = 67.5;
+/// Candidates that are examined together where the first admissible one is looked for.
+const AT_ONCE: usize = 64;
 
 /// Tool axis with its excess over the ranges of the rotary axes.
 type Candidate = (Vector, Option<RangeExcess>);
@@ -70,12 +72,16 @@ impl CourseSearch<'_> {
             let fits = |(axis, _): &&Candidate| contacts.iter().all(|contact| self.is_within(contact, axis));
             let (mut beyond, near): (Vec<_>, Vec<_>) =
                 candidates.iter().filter(fits).partition(|(_, excess)| excess.is_some());
-            let is_admissible =
-                |(axis, _): &&&Candidate| contacts.iter().all(|contact| self.reach.is_admissible(contact, *axis));
-            let layer: Vec<Vector> = near.par_iter().filter(is_admissible).map(|(axis, _)| *axis).collect();
+            let is_admissible = |axis: &Vector| contacts.iter().all(|contact| self.reach.is_admissible(contact, *axis));
+            let layer = parallel::filter_map(&near, &|(axis, _)| is_admissible(axis).then_some(*axis));
             if layer.is_empty() {
                 beyond.sort_by(|one, other| excess_deg(one).total_cmp(&excess_deg(other)));
-                let excess = beyond.par_iter().find_first(is_admissible).and_then(|(_, excess)| *excess);
+                let excess = |candidates| {
+                    let found =
+                        parallel::filter_map(candidates, &|(axis, excess)| is_admissible(axis).then_some(*excess));
+                    found.first().copied()
+                };
+                let excess = beyond.chunks(AT_ONCE).find_map(excess).flatten();
                 return Err(CourseGap { share: *share, excess });
             }
             layers.push(layer);

@@ -11,8 +11,8 @@
 //! straight, r below it. The search for the translating piece is that of all proofs here; its lower bound less (1) is one for the turning mill.
 
 use nalgebra::Rotation3;
-use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
+use crate::parallel;
 use crate::path::{Purpose, Step};
 use crate::proof::motion::Motion;
 use crate::proof::search::Search;
@@ -96,10 +96,8 @@ impl FinishProof<'_> {
             let (part, obstacle) = (piece.part, body.obstacle);
             FinishClearance { part, obstacle, certified_mm, needed_mm, at: *at, place }
         };
-        pairs
-            .par_iter()
-            .map(on)
-            .min_by(|one, other| one.certified_mm.total_cmp(&other.certified_mm).then(one.at.cmp(&other.at)))
+        let found = parallel::map(&pairs, &on);
+        found.into_iter().min_by(|one, other| one.certified_mm.total_cmp(&other.certified_mm))
     }
 
     /// Lower bound of the distance on the move between two places, and where it is.

@@ -12,10 +12,10 @@
 use core::cell::Cell;
 
 use nalgebra::Rotation3;
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::geometry::blisk::Blisk;
 use crate::geometry::face::Face;
+use crate::parallel;
 use crate::proof::bodies;
 use crate::search::{Minimum, Sample, Steps, crossing, descend_to};
 use crate::vector::{Point, Vector};
@@ -137,15 +137,11 @@ impl Field {
     pub fn walls(&self, z_mm: f64, distance_mm: f64, from_mm: f64) -> [Vec<WallPlace>; 2] {
         let (tip_mm, end_mm) = (self.tip_mm(z_mm), self.radii_mm[1] + distance_mm);
         let radii_mm = spaced([from_mm, tip_mm]).chain(spaced([tip_mm, end_mm]).skip(1)).collect::<Vec<f64>>();
-        let sides = [WallSide::Left, WallSide::Right];
-        let found: Vec<_> = sides
-            .into_par_iter()
-            .map(|side| {
-                let (turn_rad, last) = (self.turn_rad(side), Cell::new(self.tree.triangles()[0][0]));
-                Wall { field: self, side, z_mm, distance_mm, turn_rad, last }.places(&radii_mm)
-            })
-            .collect();
-        <[Vec<WallPlace>; 2]>::try_from(found).unwrap_or_default()
+        let places = |side: WallSide| {
+            let (turn_rad, last) = (self.turn_rad(side), Cell::new(self.tree.triangles()[0][0]));
+            Wall { field: self, side, z_mm, distance_mm, turn_rad, last }.places(&radii_mm)
+        };
+        parallel::join(|| places(WallSide::Left), || places(WallSide::Right)).into()
     }
 }
 

@@ -4,9 +4,9 @@
 //! cut, unless they fit into the hole that the mill itself cuts.
 
 use nalgebra::Rotation3;
-use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 
 use crate::geometry::blisk::Blisk;
+use crate::parallel;
 use crate::path::{Purpose, Step};
 use crate::proof::bodies;
 use crate::proof::clearance::{Body, Obstacle};
@@ -103,7 +103,7 @@ fn least(mill: &PlungeMill, part: MillPart, body: &Body, plunges: &[Plunge]) -> 
         let turns: Vec<Rotation3<f64>> = body.turns.iter().map(|turn| plunge.to_tool * turn).collect();
         Search { sections: &sections, motions: &motions, tree: &body.tree, turns: &turns }.least(GAP_MM)
     };
-    let found: Vec<_> = plunges.par_iter().map(one).collect();
+    let found = parallel::map(plunges, &one);
     let plunge = (0..found.len()).min_by(|a, b| found[*a].bounds_mm[0].total_cmp(&found[*b].bounds_mm[0]))?;
     let [no_less_mm, found_mm] = found[plunge].bounds_mm;
     Some(PlungeClearance {

@@ -12,9 +12,9 @@
 use core::cell::Cell;
 
 use nalgebra::Rotation3;
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::geometry::blisk::Blisk;
+use crate::parallel;
 use crate::vector::{Flat, Point, Vector};
 
 use super::boundary::{Boundary, clear_of_curve, touching};
@@ -167,7 +167,8 @@ pub fn boundary(
         (0..=count).map(|index| floor_mm + (end_mm - floor_mm) * index as f64 / count as f64).collect();
     let reach_mm = field.radii_mm[1] * field.pitch_rad;
     let walls = [(WallSide::Left, 1.0), (WallSide::Right, -1.0)].map(|(side, sign)| {
-        let sample = |along_mm: f64| {
+        let sample = |along_mm: &f64| {
+            let along_mm = *along_mm;
             let near_mm = midway.across_mm(plane, along_mm);
             let last = Cell::new(None);
             let beyond_mm = |x: f64| {
@@ -178,7 +179,7 @@ pub fn boundary(
             let height_mm = sign * wall_mm(beyond_mm, near_mm, sign, reach_mm)?;
             Some(CurveSample { along_mm, height_mm, is_counted: along_mm <= edge_mm })
         };
-        along_mm.clone().into_par_iter().filter_map(sample).collect::<Vec<_>>()
+        parallel::filter_map(&along_mm, &sample)
     });
     let line = |wall: &[CurveSample]| tangent_line(wall, needs.fit).map(|line| clear_of_curve(line, wall));
     let lines = [line(&walls[0])?, line(&walls[1])?];

@@ -3,10 +3,10 @@
 //! At a point of the surface, it is the least distance from the ring along the paths of all passes.
 
 use nalgebra::Rotation3;
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::cup_mill::side::{FarEdge, Hub, OffsetSide};
 use crate::geometry::blisk::{Revolution, Slot};
+use crate::parallel;
 use crate::vector::Point;
 
 use super::motion::Motion;
@@ -84,12 +84,12 @@ pub fn leaves(
 ) -> RemainingMaterial {
     let share = |k: usize, count: usize| k as f64 / count.saturating_sub(1).max(1) as f64;
     let map = |point: &(dyn Fn(f64, f64) -> Point + Sync)| {
-        let at = |place| {
+        let at = |place: &usize| {
             let point = point(share(place % columns, columns), share(place / columns, rows));
             let distances_mm = passes.iter().map(|(ring, turn)| ring.nearest_mm(turn * point));
             distances_mm.fold(f64::INFINITY, f64::min)
         };
-        Map { columns, values_mm: (0..rows * columns).into_par_iter().map(at).collect() }
+        Map { columns, values_mm: parallel::map(&(0..rows * columns).collect::<Vec<_>>(), &at) }
     };
     let [pressure, suction] = [0, 1].map(|side| map(&|u, v| walls.side(side, u, v)));
     RemainingMaterial { pressure, suction, hub: map(&|u, v| walls.floor(u, v)) }

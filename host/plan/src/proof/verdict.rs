@@ -1,11 +1,11 @@
 //! Collision proof of the path through one slot, with remaining and removed material.
 
 use nalgebra::Rotation3;
-use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
 use crate::cutter::{CupMill, ToolPart};
 use crate::geometry::blisk::Blisk;
 use crate::geometry::turning_height::highest_mm;
+use crate::parallel;
 use crate::path::{Pass, SlotPath};
 use crate::vector::{Point, Vector};
 
@@ -114,11 +114,11 @@ pub fn prove(case: &ProofCase<'_>, fineness: &ProofResolution) -> Option<Proof> 
     let pairs = parts.into_iter().flat_map(|part| bodies.iter().map(move |body| (part, body)));
     let pairs = pairs.filter(|(part, body)| *part != ToolPart::Ring || body.obstacle != Obstacle::Blank);
     let pairs: Vec<(ToolPart, &Body)> = pairs.collect();
-    let near = |(part, body): (ToolPart, &Body)| clearance(case.tool, part, &steps, body, fineness.gap_mm);
+    let near = |(part, body): &(ToolPart, &Body)| clearance(case.tool, *part, &steps, body, fineness.gap_mm);
     let indexing_mm = case.path.clear_mm - highest_mm(&case.blisk.blank, case.fixture, &case.to_slot);
     let removed = || removed(&floor, case.path.levels.len(), &stock, &walls, fineness.cell_mm);
-    let ((clearances, left), removed) = rayon::join(
-        || rayon::join(|| pairs.into_par_iter().map(near).collect(), || leaves(&rings, &walls, fineness.grid)),
+    let ((clearances, left), removed) = parallel::join(
+        || parallel::join(|| parallel::map(&pairs, &near), || leaves(&rings, &walls, fineness.grid)),
         removed,
     );
     Some(Proof { clearances, indexing_mm, left, removed })

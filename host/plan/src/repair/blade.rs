@@ -1,7 +1,6 @@
 //! Nominal blade about which points were measured: both sides and the hub.
 
 use nalgebra::Rotation3;
-use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use thiserror::Error;
 
 use super::registration::{NominalFoot, median};
@@ -11,6 +10,7 @@ use crate::geometry::edge_strip::BladeEdge;
 use crate::geometry::face::Face;
 use crate::geometry::flaws::BladeSide;
 use crate::geometry::surface::{Foot, SpanwiseFace};
+use crate::parallel;
 use crate::vector::{Point, Vector};
 
 /// Median distance above which points are not those of this blade, mm.
@@ -205,7 +205,7 @@ impl<'f> NominalBlade<'f> {
             let height_mm = on.normal.dot(&(point - on.point)) - stylus_mm;
             is_of_side.then_some(HeightSample { at: foot.at, height_mm })
         };
-        let found: Vec<HeightSample> = points.par_iter().filter_map(sample).collect();
+        let found = parallel::filter_map(points, &sample);
         let word = if side == BladeSide::Pressure { "pressure" } else { "suction" };
         if found.len() < POINTS_LEAST {
             return Err(CloudFault::OtherSide { found: found.len(), points: points.len(), side: word });
@@ -230,7 +230,7 @@ impl<'f> NominalBlade<'f> {
             let is_beyond = strip.surface().unfolded(foot.at, &foot.point).beyond_mm > 0.0;
             (!is_hub && !foot.is_on_border).then_some((is_beyond, HeightSample { at: foot.at, height_mm }))
         };
-        let found: Vec<(bool, HeightSample)> = points.par_iter().filter_map(sample).collect();
+        let found = parallel::filter_map(points, &sample);
         for (is_beyond, side) in [(false, "pressure"), (true, "suction")] {
             let count = found.iter().filter(|(beyond, _)| *beyond == is_beyond).count();
             if count < POINTS_LEAST {
@@ -253,7 +253,7 @@ impl<'f> NominalBlade<'f> {
                 let foot = self.foot(&point);
                 (foot.normal.dot(&(point - foot.point)) - stylus_mm).abs().min((point - foot.point).norm())
             };
-            median(&compared.par_iter().map(off).collect::<Vec<f64>>())
+            median(&parallel::map(&compared, &off))
         };
         let off_mm = off_by(&|point| *point);
         if off_mm <= OFF_SOUND_MM {

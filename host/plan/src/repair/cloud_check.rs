@@ -1,11 +1,10 @@
 //! Checks of measured points against the part that is to be repaired: outliers, and weld in front of what is planned.
 
-use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
-
 use super::blade::{CloudFault, NominalBlade};
 use super::scan::{HeightSample, NominalSurface};
 use crate::geometry::edge_strip::BladeEdge;
 use crate::geometry::flaws::BladeSide;
+use crate::parallel;
 use crate::vector::Point;
 
 /// Most points that are examined for outliers; of more points every k-th is taken.
@@ -20,8 +19,11 @@ const WELD_POINTS: usize = 3;
 /// # Errors
 /// Names the highest one.
 pub fn check_tip(points: &[Point], nominal: &NominalSurface<'_>, most_mm: f64) -> Result<(), CloudFault> {
-    let over = points.par_iter().filter_map(|point| Some((nominal.beyond_tip_mm(point)?, *point)));
-    match over.filter(|(beyond_mm, _)| *beyond_mm > most_mm).max_by(|a, b| a.0.total_cmp(&b.0)) {
+    let over = |point: &Point| {
+        let beyond_mm = nominal.beyond_tip_mm(point).filter(|beyond_mm| *beyond_mm > most_mm)?;
+        Some((beyond_mm, *point))
+    };
+    match parallel::filter_map(points, &over).into_iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
         Some((beyond_mm, point)) => Err(CloudFault::OverTip { beyond_mm, point }),
         None => Ok(()),
     }
@@ -56,7 +58,7 @@ pub fn check_edges(
         let beyond_mm = direction.dot(&(point - foot.point));
         (beyond_mm > most_mm).then_some((beyond_mm, *point, edge))
     };
-    let found: Vec<(f64, Point, BladeEdge)> = points.par_iter().filter_map(in_front).collect();
+    let found = parallel::filter_map(points, &in_front);
     match found.iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
         Some((beyond_mm, point, edge)) if found.len() >= WELD_POINTS => {
             let edge = if *edge == BladeEdge::Leading { "leading" } else { "trailing" };
@@ -74,8 +76,11 @@ pub fn check_outliers(samples: &[HeightSample], nominal: &NominalSurface<'_>, of
     let every = samples.len().div_ceil(EXAMINED_MAX).max(1);
     let examined: Vec<HeightSample> = samples.iter().step_by(every).copied().collect();
     let heights = nominal.height_field(&examined, 0.0);
-    let apart = examined.par_iter().map(|sample| (heights.apart_mm(sample), *sample));
-    let outliers: Vec<(f64, HeightSample)> = apart.filter(|(apart_mm, _)| *apart_mm > off_mm).collect();
+    let apart = |sample: &HeightSample| {
+        let apart_mm = heights.apart_mm(sample);
+        (apart_mm > off_mm).then_some((apart_mm, *sample))
+    };
+    let outliers = parallel::filter_map(&examined, &apart);
     match outliers.iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
         Some((apart_mm, farthest)) if outliers.len() as f64 > OUTLIERS_MAX_RATIO * examined.len() as f64 => {
             let (point, normal) = nominal.surface().point_and_normal(farthest.at);

@@ -9,13 +9,13 @@
 //!
 //! Source: ours; geometry.
 
-use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
 use super::field::FieldNode;
 use super::passes::RepairContact;
 use super::plan::RepairPlan;
+use crate::parallel;
 use crate::vector::{Point, Vector};
 
 /// Allowance, mm, that is left at each node of the lattice, row by row; `None` where nothing was measured. (1)
@@ -31,7 +31,7 @@ pub fn predicted_mm(plan: &RepairPlan, ball_mm: f64) -> Vec<Vec<Option<f64>>> {
             near.filter_map(|ball| entered_mm(node.point, node.normal, ball.data, ball_mm)).fold(standing_mm, f64::min),
         )
     };
-    plan.field.rows.par_iter().map(|row| row.iter().map(left).collect()).collect()
+    parallel::map(&plan.field.rows, &|row| row.iter().map(left).collect())
 }
 
 /// (1)

@@ -10,12 +10,12 @@
 //! which scattered points do not have.
 
 use nalgebra::{SMatrix, SVector};
-use rayon::iter::{IntoParallelRefIterator, ParallelIterator};
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
 use super::registration::NominalFoot;
 use crate::geometry::surface::{Foot, Surface};
+use crate::parallel;
 use crate::vector::Point;
 
 /// Seeds along both parameters.
@@ -137,7 +137,7 @@ impl<'s> NominalSurface<'s> {
             let height_mm = on.normal.dot(&(point - on.point)) - stylus_mm; // (1)
             (!foot.is_on_border).then_some(HeightSample { at: foot.at, height_mm })
         };
-        points.par_iter().filter_map(sample).collect()
+        parallel::filter_map(points, &sample)
     }
 
     /// Three mean spacings of so many samples, mm: the farthest distance from a sample that is no hole, if nothing else is required.
