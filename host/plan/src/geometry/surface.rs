@@ -11,8 +11,6 @@
 //! error by distance times normal curvature and finds nothing where that is above 1. (1) is Newton's step on the same problem. The step is halved
 //! while the distance grows. At a border of the patch the parameter beyond it stands still.
 
-use nalgebra::{Matrix2, Vector2};
-
 use super::face::{Face, Jet};
 use crate::vector::{Point, Vector};
 
@@ -172,13 +170,17 @@ fn step(jet: &Jet, point: &Point, at: [f64; 2], ranges: [[f64; 2]; 2]) -> Option
 }
 
 fn step_inside(gradient: [f64; 2], metric: [f64; 3], hessian: [f64; 3]) -> Option<[f64; 2]> {
-    let gradient = Vector2::from(gradient);
-    let solved = |[a, b, c]: [f64; 3]| Matrix2::new(a, b, b, c).try_inverse().map(|inverse| inverse * gradient);
+    let [x, y] = gradient;
+    let solved = |[a, b, c]: [f64; 3]| {
+        let determinant = a * c - b * b;
+        let [a, b, c] = [a, b, c].map(|entry| entry / determinant);
+        (determinant != 0.0).then_some([c * x - b * y, a * y - b * x])
+    };
     let is_positive = |[a, b, c]: [f64; 3]| a > 0.0 && a * c - b * b > 0.0;
     let flat = solved(metric)?;
-    if flat.dot(&gradient) <= TANGENT_MM * TANGENT_MM {
+    if flat[0] * x + flat[1] * y <= TANGENT_MM * TANGENT_MM {
         return None; // (3)
     }
     let newton = if is_positive(hessian) { solved(hessian) } else { None };
-    Some(newton.unwrap_or(flat).into()) // (1), (2)
+    Some(newton.unwrap_or(flat)) // (1), (2)
 }
