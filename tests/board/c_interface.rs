@@ -197,7 +197,7 @@ fn the_library_touches_only_the_memory_that_it_was_given() {
     println!("{}", summary.lines().last().unwrap_or_default());
 }
 
-/// The form of the header. Here, because cbindgen's reader of such files would be compiled with the tests.
+/// Form of the header. Not in a file `cbindgen.toml`, because the reader of that would be compiled with the tests, a third of their code.
 fn header_form() -> Config {
     let mut form = Config {
         language: Language::C,

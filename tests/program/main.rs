@@ -10,9 +10,8 @@ mod command_help;
 
 mod compensation;
 
-mod coordinates;
-
 mod bolt_circles;
+mod coordinates;
 mod cycles;
 
 mod everyday;

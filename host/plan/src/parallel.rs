@@ -45,7 +45,29 @@ fn both(one: &mut (dyn FnMut() + Send), other: &mut (dyn FnMut() + Send)) {
 
 #[cfg(test)]
 mod tests {
+    use core::sync::atomic::{AtomicUsize, Ordering};
+    use std::time::{Duration, Instant};
+
     use super::*;
+
+    /// Begins, and waits until another one has begun; whether it has.
+    fn meets_another(begun: &AtomicUsize) -> bool {
+        begun.fetch_add(1, Ordering::SeqCst);
+        let start = Instant::now();
+        while begun.load(Ordering::SeqCst) < 2 && start.elapsed() < Duration::from_secs(20) {
+            std::thread::yield_now();
+        }
+        begun.load(Ordering::SeqCst) == 2
+    }
+
+    #[test]
+    fn two_threads_work_at_the_same_time() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+        let begun = AtomicUsize::new(0);
+        assert_eq!(pool.install(|| map(&[(); 2], &|()| meets_another(&begun))), [true; 2]);
+        let begun = AtomicUsize::new(0);
+        assert_eq!(pool.install(|| join(|| meets_another(&begun), || meets_another(&begun))), (true, true));
+    }
 
     #[test]
     fn results_are_in_the_order_of_their_items() {

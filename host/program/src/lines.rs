@@ -102,7 +102,7 @@ impl LineReader {
             self.skipping.fork(text, &self.reader);
         }
         let understood = line.meaning.get_or_insert_default();
-        let is_mark = match self.reader.read_into(text, understood) {
+        let has_mark = match self.reader.read_into(text, understood) {
             Ok(()) => {
                 self.note(text, understood, found);
                 understood.parsed.line == LineKind::ProgramMark
@@ -113,7 +113,7 @@ impl LineReader {
                 is_mark(text)
             }
         };
-        self.has_ended = had_begun && is_mark;
+        self.has_ended = had_begun && has_mark;
         line.set_state(&self.reader);
         line.skipping = self.skipping.read(text, line, &self.reader);
     }

@@ -111,7 +111,7 @@ impl PathSummary {
     /// Adds the next line of a program without macro statements.
     pub fn add_line(&mut self, line: &ProgramLine) {
         self.lines += 1;
-        let before = self.current.map(|(number, _)| number);
+        let before = self.current_tool();
         let comment = if line.has_no_comment() { None } else { comment_in(&line.text) };
         self.add_comment(comment);
         match &line.meaning {
@@ -120,11 +120,16 @@ impl PathSummary {
         }
         let words = line.meaning.as_ref().map(|meaning| &meaning.parsed.block);
         let selected = words.and_then(|words| words.word(b'T')).and_then(|word| word.number.as_whole());
-        let loaded = self.current.map(|(number, _)| number).filter(|number| Some(*number) != before).flatten();
+        let loaded = self.current_tool().filter(|number| Some(*number) != before);
         let change = selected.or(loaded);
         if comment.is_some() || change.is_some() {
             self.comments.notes.read(self.lines, comment.unwrap_or_default(), change);
         }
+    }
+
+    /// Number of the tool of the last block; `None` if it has none.
+    fn current_tool(&self) -> Option<i64> {
+        self.current.and_then(|(number, _)| number)
     }
 
     /// Notes the comment of the next line of the file.
@@ -250,7 +255,7 @@ impl PathSummary {
 /// in degrees. An axis may have several such ranges.
 pub fn each_extreme(segment: &Segment, origin: &Pose, mut include: impl FnMut(usize, [f64; 2])) {
     let Segment { start, end, path, .. } = segment;
-    let sorted = |[one, other]: [i64; 2]| if one < other { [one, other] } else { [other, one] };
+    let sorted = |[one, other]: [i64; 2]| [one.min(other), one.max(other)];
     let length_mm = |at: i64, origin: Nm| Nm(at - origin.0).to_mm();
     for index in 0..3 {
         let ends = [start, end].map(|pose| pose.linear[index].0);

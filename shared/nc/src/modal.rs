@@ -188,6 +188,7 @@ impl Modal {
     /// G68: in general the origin of the workpiece's drawing.
     pub fn work_origin(&self) -> Pose {
         let shift = self.frame.shift();
+        // Asked for every line, and few programs have a G52.
         if self.local == Pose::ORIGIN { shift } else { shift.minus(self.local) }
     }
 
@@ -195,6 +196,7 @@ impl Modal {
     /// positive offset.
     pub fn tool_length(&self, tables: &Tables) -> Nm {
         match i64::from(self.length_sign) {
+            // No table is read for the lines of a program without G43 and G44.
             0 => Nm(0),
             sign => Nm(tables.length(self.length_offset).0.saturating_mul(sign)),
         }

@@ -22,8 +22,6 @@ const STATIONS: usize = 24;
 const GRID_DEG: f64 = 7.5;
 /// Largest angle of candidates from the direction out of the rotor.
 const CONE_DEG: f64 = 67.5;
-/// Candidates that are examined together where the first admissible one is looked for.
-const AT_ONCE: usize = 64;
 
 /// Tool axis with its excess over the ranges of the rotary axes.
 type Candidate = (Vector, Option<RangeExcess>);
@@ -76,12 +74,7 @@ impl CourseSearch<'_> {
             let layer = parallel::filter_map(&near, &|(axis, _)| is_admissible(axis).then_some(*axis));
             if layer.is_empty() {
                 beyond.sort_by(|one, other| excess_deg(one).total_cmp(&excess_deg(other)));
-                let excess = |candidates| {
-                    let found =
-                        parallel::filter_map(candidates, &|(axis, excess)| is_admissible(axis).then_some(*excess));
-                    found.first().copied()
-                };
-                let excess = beyond.chunks(AT_ONCE).find_map(excess).flatten();
+                let excess = beyond.iter().find(|(axis, _)| is_admissible(axis)).and_then(|(_, excess)| *excess);
                 return Err(CourseGap { share: *share, excess });
             }
             layers.push(layer);

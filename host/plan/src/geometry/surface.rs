@@ -170,15 +170,15 @@ fn step(jet: &Jet, point: &Point, at: [f64; 2], ranges: [[f64; 2]; 2]) -> Option
 }
 
 fn step_inside(gradient: [f64; 2], metric: [f64; 3], hessian: [f64; 3]) -> Option<[f64; 2]> {
-    let [x, y] = gradient;
+    let [u, v] = gradient;
     let solved = |[a, b, c]: [f64; 3]| {
         let determinant = a * c - b * b;
         let [a, b, c] = [a, b, c].map(|entry| entry / determinant);
-        (determinant != 0.0).then_some([c * x - b * y, a * y - b * x])
+        (determinant != 0.0).then_some([c * u - b * v, a * v - b * u])
     };
     let is_positive = |[a, b, c]: [f64; 3]| a > 0.0 && a * c - b * b > 0.0;
     let flat = solved(metric)?;
-    if flat[0] * x + flat[1] * y <= TANGENT_MM * TANGENT_MM {
+    if flat[0] * u + flat[1] * v <= TANGENT_MM * TANGENT_MM {
         return None; // (3)
     }
     let newton = if is_positive(hessian) { solved(hessian) } else { None };

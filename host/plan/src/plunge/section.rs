@@ -167,8 +167,7 @@ pub fn boundary(
         (0..=count).map(|index| floor_mm + (end_mm - floor_mm) * index as f64 / count as f64).collect();
     let reach_mm = field.radii_mm[1] * field.pitch_rad;
     let walls = [(WallSide::Left, 1.0), (WallSide::Right, -1.0)].map(|(side, sign)| {
-        let sample = |along_mm: &f64| {
-            let along_mm = *along_mm;
+        let sample = |&along_mm: &f64| {
             let near_mm = midway.across_mm(plane, along_mm);
             let last = Cell::new(None);
             let beyond_mm = |x: f64| {

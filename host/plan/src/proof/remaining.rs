@@ -84,7 +84,7 @@ pub fn leaves(
 ) -> RemainingMaterial {
     let share = |k: usize, count: usize| k as f64 / count.saturating_sub(1).max(1) as f64;
     let map = |point: &(dyn Fn(f64, f64) -> Point + Sync)| {
-        let at = |place: &usize| {
+        let at = |&place: &usize| {
             let point = point(share(place % columns, columns), share(place / columns, rows));
             let distances_mm = passes.iter().map(|(ring, turn)| ring.nearest_mm(turn * point));
             distances_mm.fold(f64::INFINITY, f64::min)
