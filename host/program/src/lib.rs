@@ -27,6 +27,8 @@ mod corner_moves;
 
 mod path_warnings;
 
+mod extents;
+
 mod path_summary;
 
 mod lines;
@@ -72,12 +74,13 @@ pub use corner_moves::{CornerMove, CornerMoves};
 pub use diagnostic::{Diagnostic, FeedDeparture, Severity};
 pub use executed_places::ExecutedPlaces;
 pub use expansion::{Expansion, RunBounds};
+pub use extents::each_extreme;
 pub use library::Folder;
 use lines::LineReader;
 pub use lines::in_capitals;
 pub use move_counts::MoveCounts;
 pub use move_trace::MoveTrace;
-pub use path_summary::{PathSummary, ToolUse, each_extreme};
+pub use path_summary::{PathSummary, ToolUse};
 pub use program_lines::ProgramLines;
 pub use source::{LINES_MAX, Source, check_line_count, read_bounded};
 pub use summary::ProgramSummary;

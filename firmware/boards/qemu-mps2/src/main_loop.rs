@@ -96,7 +96,7 @@ impl<const N: usize> Main<N> {
     }
 
     /// Runs the board forever. As long as `is_measured` returns true, no watchdog starts and the board does not sleep; it is only true in a
-    /// test image.
+    /// test image. It is asked before the watchdog is fed, and again behind that.
     pub fn run_measured(mut self, is_measured: fn() -> bool) -> ! {
         let mut lockstep = Lockstep::new();
         // SAFETY: the tick's data are initialised.
@@ -152,14 +152,14 @@ impl<const N: usize> Main<N> {
             self.front.run(now);
             self.speak_link(now);
             self.log();
-            let (ticks, is_measured) = (costs().ticks, is_measured());
-            if ticks > 0 && !is_measured {
+            let ticks = costs().ticks;
+            if ticks > 0 && !is_measured() {
                 // Behind the first tick: nothing was put out before it. SAFETY: the image has the handler of the board's last act.
                 watchdog.get_or_insert_with(|| unsafe { Watchdog::start() }).feed_after_tick(ticks);
             }
             // The next tick wakes it, if nothing else does. The emulator's clock jumps over a sleep, at times past the tick: a board that is
             // measured does not sleep.
-            if !is_measured {
+            if !is_measured() {
                 cortex_m::asm::wfi();
             }
         }

@@ -7,18 +7,21 @@
 #![no_std]
 #![no_main]
 
-use core::sync::atomic::{AtomicBool, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 
 use arcfeed_qemu_mps2::handed::Handed;
 use arcfeed_qemu_mps2::interrupts::{Priority, enable};
 use arcfeed_qemu_mps2::serial::lost_of_sender;
 use arcfeed_qemu_mps2::tick::on_timer;
 use arcfeed_qemu_mps2::uart::{Registers, UART4};
-use arcfeed_qemu_mps2::{last_act_handlers, leave, line_handlers, tapped, timer};
+use arcfeed_qemu_mps2::{last_act_handlers, leave, line_handlers, tapped, timer, watchdog};
 use cortex_m_semihosting::debug;
 
 static ORDERS: Handed<Registers> = Handed::nothing();
 static IS_MEASURED: AtomicBool = AtomicBool::new(false);
+static MUST_STOP: AtomicBool = AtomicBool::new(false);
+/// Tick of the last feeding of the watchdog when the main loop was ordered to stop.
+static FED_AT_ORDER: AtomicU32 = AtomicU32::new(0);
 
 line_handlers!();
 last_act_handlers!();
@@ -44,10 +47,11 @@ extern "C" fn UART4_RX() {
     let Some(registers) = (unsafe { ORDERS.get() }) else { return };
     registers.acknowledge_received();
     match registers.receive() {
-        // The main loop stops.
-        Some(b'm') => loop {
-            core::hint::spin_loop();
-        },
+        // The main loop stops right behind the next feeding of the watchdog.
+        Some(b'm') => {
+            FED_AT_ORDER.store(watchdog::fed_at(), Ordering::Relaxed);
+            MUST_STOP.store(true, Ordering::Relaxed);
+        }
         // The main loop is blocked until the tapped line has lost a byte.
         Some(b'l') => {
             let before = lost_of_sender();
@@ -76,5 +80,14 @@ fn main() -> ! {
         ORDERS.put(Registers::start(UART4));
         enable(UART4.received, Priority::Third);
     }
-    board.run_measured(|| IS_MEASURED.load(Ordering::Relaxed))
+    board.run_measured(is_measured)
+}
+
+/// Whether the board is measured. Behind a feeding that came after the order to stop, the main loop stops here: with a sleep between
+/// the two, over which the emulator's clock jumps, the ticks from the feeding on would not be those of the watchdog's time.
+fn is_measured() -> bool {
+    while MUST_STOP.load(Ordering::Relaxed) && watchdog::fed_at() != FED_AT_ORDER.load(Ordering::Relaxed) {
+        core::hint::spin_loop();
+    }
+    IS_MEASURED.load(Ordering::Relaxed)
 }
