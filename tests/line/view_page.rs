@@ -88,12 +88,15 @@ fn a_program_and_its_job_come_back_as_the_command_line_writes_them() {
     let text = |path: &str| std::fs::read_to_string(path).expect("text");
     assert_eq!((view.get("adapted"), view.get("job")), ((200, text(&own)), (200, text(&own_job))));
     assert!(view.get("report").1.contains("arcfeed-data"));
-    // A faulty job is explained as on the terminal, and the old result is gone.
-    let state = view.post("run", &job.replace("units", "unit"));
-    assert!(state["messages"].as_str().is_some_and(|words| words.contains("unit")), "{state}");
-    assert_eq!((&state["has_report"], view.get("adapted").0), (&json!(false), 404));
-    let state = view.post("run", &job.replace("\"pocket.nc\"", "\"/etc/hostname\""));
-    assert!(state["messages"].as_str().is_some_and(|words| words.contains("outside of this page")), "{state}");
+    // A job that is refused is explained, a faulty one as on the terminal, and the old result is gone.
+    for (found, in_its_place, explained) in
+        [("\"pocket.nc\"", "\"/etc/hostname\"", "outside of this page"), ("units", "unit", "unit")]
+    {
+        assert_eq!(view.post("run", &job)["has_report"], true);
+        let state = view.post("run", &job.replace(found, in_its_place));
+        assert!(state["messages"].as_str().is_some_and(|words| words.contains(explained)), "{state}");
+        assert_eq!((&state["has_report"], view.get("adapted").0), (&json!(false), 404), "{in_its_place}");
+    }
     assert_eq!(view.page.post("init", "{\"tool\": 1}", "").0, 400);
     assert_eq!(view.page.post("init", "{}", "Origin: http://arcfeed.example\r\n").0, 403);
     view.end(&scratch);

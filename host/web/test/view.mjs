@@ -148,6 +148,7 @@ async function refuses() {
     await job.fill((await job.inputValue()).replace(/program = .*/, 'program = "/dev/null"'));
     await act('#run');
     assert.ok((await text('#messages')).includes('a file outside of this page'), await text('#messages'));
+    assert.ok(await page.locator('#report-part').isHidden());
 }
 
 async function themes() {

@@ -142,6 +142,7 @@ impl Workspace {
                 let message =
                     format!("`{path}` is a file outside of this page: run the job with `arcfeed view JOB.toml`");
                 self.files().messages = message;
+                self.clear_output();
                 return Ok(());
             }
             files::write(job, text)?;
