@@ -19,7 +19,7 @@ fn a_live_page_shows_the_machine_and_holds_resumes_and_aborts() {
     }
     let scratch = Scratch::new(test);
     // Slowly, so that it lasts as long as a browser without a graphics card needs.
-    let stream = Running::start(&scratch, "stream", &["stream", SLOT, "--port", "sim:", "--baudrate", "110", "--web"]);
+    let stream = Running::start(&scratch, "stream", &["stream", SLOT, "--port", "sim:", "--baudrate", "300", "--web"]);
     let url =
         wait_for("the address", || Some(stream.said().split_once("live page: ")?.1.split_once('\n')?.0.to_owned()));
     println!("{}", node(&["test/live.mjs", &url, &scratch.path("live.png")]));
