@@ -64,6 +64,8 @@ class Viewer implements Follower {
     private measure: Measure | null = null;
     /** The moment stays where a click has put it: pointing moves it again after the next click. */
     private isHeld = false;
+    /** What the last call of `follow` has shown. */
+    private followed = '';
 
     constructor(private readonly data: ReportData) {
         this.runs = data.runs.map((run) => new Run(run)).filter((run) => run.points > 1);
@@ -209,13 +211,16 @@ class Viewer implements Follower {
         if (index !== undefined) this.select(this.run, this.run.middle(index), 'listing');
     }
 
-    /** Shows where the machine is: at the place, or in the first move of the line. */
+    /** Shows where the machine is: at the place, or in the first move of the line. Does nothing while nothing changes. */
     follow(line: number | null, place: [number, number, number] | null, axis: [number, number, number] | null): void {
         const { run } = this;
+        const state = () => JSON.stringify([this.run.name, this.time, line, place, axis]);
+        if (state() === this.followed) return;
         const first = line === null ? undefined : run.ofLine.get(line);
         if (first !== undefined) this.select(run, place ? run.nearest(first, place) : run.middle(first), 'machine');
         else if (line !== null) this.listing?.mark(line, true);
         if (place) this.scene?.moveTool(run, place, run.toolAt(run.indexAt(this.time)), axis ?? undefined);
+        this.followed = state();
     }
 
     /** Makes this the moment everywhere. */

@@ -37,6 +37,31 @@ async function follows() {
     assert.equal(line, `executes line ${marked}`);
 }
 
+/** Pictures that a page draws in a second. */
+const drawn = (page) => page.evaluate(async () => {
+    const ask = globalThis.requestAnimationFrame;
+    let count = 0;
+    globalThis.requestAnimationFrame = (draw) => {
+        count += 1;
+        return ask(draw);
+    };
+    await new Promise((done) => setTimeout(done, 1000));
+    globalThis.requestAnimationFrame = ask;
+    return count;
+});
+
+/** Pictures are drawn while the axes move, none while they stand. */
+async function rests() {
+    let [moving, standing] = [0, Infinity];
+    for (let second = 0; second < 30 && moving === 0; second++) moving = await drawn(page);
+    await page.locator('#hold').click();
+    for (let second = 0; second < 30 && standing > 0; second++) standing = await drawn(page);
+    console.log(`${moving} pictures in a second while the axes move, ${standing} while they stand`);
+    assert.ok(moving > 0 && standing === 0, `${moving} ${standing}`);
+    await page.locator('#resume').click();
+    await page.locator('#yes').click();
+}
+
 /** A hold is seen by all, and only a confirmed resume ends it. */
 async function commands() {
     await page.locator('#hold').click();
@@ -68,7 +93,7 @@ async function ends() {
 }
 
 try {
-    for (const step of [follows, commands, themes, ends]) {
+    for (const step of [follows, rests, commands, themes, ends]) {
         await step();
         console.log(`${step.name}: passed`);
     }
