@@ -23,7 +23,9 @@ use serde_json::{Value, json};
 /// Folder of the viewer.
 const WEB: &str = "host/web";
 
-const BROWSERS: [&str; 3] = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
+/// Browsers, the one that takes the least processor time first.
+const BROWSERS: [&str; 4] =
+    ["/usr/bin/chromium-headless-shell", "/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"];
 
 const POCKET: &str = "examples/pocket/job-contour.toml";
 

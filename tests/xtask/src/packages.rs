@@ -101,8 +101,13 @@ const NEEDS: [Need; 9] = [
     },
     Need {
         what: "a browser for reports",
-        package: "chromium",
-        shown_by: &[&["chromium", "--version"], &["chromium-browser", "--version"], &["google-chrome", "--version"]],
+        package: "chromium-headless-shell",
+        shown_by: &[
+            &["chromium-headless-shell", "--version"],
+            &["chromium", "--version"],
+            &["chromium-browser", "--version"],
+            &["google-chrome", "--version"],
+        ],
         elsewhere: "install Chromium or Chrome",
         runs_unpacked: false,
         is_optional: true,
