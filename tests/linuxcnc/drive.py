@@ -12,6 +12,7 @@ import os
 import subprocess
 import time
 
+import hal
 import linuxcnc
 
 
@@ -37,7 +38,12 @@ def say(**what):
 
 
 def pin(name):
-    return subprocess.run(["halcmd", "getp", name], capture_output=True, text=True).stdout.strip()
+    """Value of a pin, in the words of halcmd; empty where there is no such pin."""
+    try:
+        value = hal.get_value(name)
+    except RuntimeError:
+        return ""
+    return str(value).upper() if isinstance(value, bool) else str(value) if isinstance(value, int) else "%g" % value
 
 
 def halcmd(*words):
@@ -45,7 +51,7 @@ def halcmd(*words):
 
 
 def set_pin(name, value):
-    halcmd("setp", name, str(value))
+    hal.set_p(name, str(value))
 
 
 def press(name):
@@ -185,4 +191,10 @@ def main():
     command.wait_complete(ORDER_SECONDS)
 
 
-main()
+# Pins are read by a component, without a process for each reading.
+component = hal.component("arcfeed-drive")
+component.ready()
+try:
+    main()
+finally:
+    component.exit()

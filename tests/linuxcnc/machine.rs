@@ -6,6 +6,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use std::time::Duration;
 
+use arcfeed_tests::emulation::images;
 use arcfeed_tests::{Scratch, root, run, skip_loudly};
 
 /// User that LinuxCNC runs as: it refuses root.
@@ -154,20 +155,14 @@ fn install() -> Result<(), String> {
     if shell(&format!("id {USER}")).is_err() {
         shell(&format!("useradd --create-home {USER}"))?;
     }
-    let library = ["rustc", "--quiet", "--locked", "-p", "arcfeed-c", "--lib", "--crate-type", "staticlib"];
-    let profile = ["--profile", "static-library", "--features", "static-library"];
-    let built = Command::new(env!("CARGO")).args(library).args(profile).current_dir(root()).status();
-    assert!(built.is_ok_and(|status| status.success()), "the static library builds");
-    // A test runs as TARGET/PROFILE/deps/NAME.
-    let test = std::env::current_exe().expect("a test knows its own path");
-    let target = test.ancestors().nth(3).expect("a target folder").join("static-library/libarcfeed_c.a");
+    let library = images::static_library(false, "");
     let scratch = Scratch::new("halcompile");
     let component = scratch.write("arcfeed.comp", fs::read(root().join("firmware/linuxcnc/arcfeed.comp")).expect("it"));
     let output = Command::new("halcompile")
         .args(["--install", &component])
         .current_dir(scratch.path(""))
         .env("CPATH", root().join("firmware/c/include"))
-        .env("LDFLAGS", format!("-Wl,-u,arcfeed_create {}", target.display()))
+        .env("LDFLAGS", format!("-Wl,-u,arcfeed_create {}", library.display()))
         .output()
         .expect("halcompile runs");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stdout));
