@@ -16,6 +16,7 @@ pub struct Interval {
 
 impl Interval {
     /// Interval from the lower coordinate to the higher one.
+    #[inline]
     pub fn new(from_mm: f64, to_mm: f64) -> Self {
         Interval { from_mm, to_mm }
     }
@@ -27,6 +28,7 @@ impl Interval {
     }
 
     /// Length, mm; negative if the interval ends before it begins.
+    #[inline]
     pub fn length_mm(&self) -> f64 {
         self.to_mm - self.from_mm
     }
