@@ -261,7 +261,7 @@ impl<'a> ToothMap<'a> {
                 for (row, vector) in basis.iter().enumerate() {
                     let part = vector.dot(&image);
                     projected[(row, column)] += part;
-                    image -= vector * part;
+                    image.axpy(-part, vector, 1.0);
                 }
             }
             let length = image.norm();
