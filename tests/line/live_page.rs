@@ -29,7 +29,7 @@ pub struct Page {
     pub path: String,
 }
 
-/// Snapshots that a client got, with the time of each since the first.
+/// Snapshots that a client got, with the time of each since it asked: the first may be read late on a busy computer.
 pub type Seen = Vec<(Duration, Value)>;
 
 impl Page {
@@ -91,13 +91,12 @@ impl Page {
 
     /// Reads all snapshots to the last.
     pub fn browser(&self) -> JoinHandle<Seen> {
-        let stream = self.watch();
+        let (asked, stream) = (Instant::now(), self.watch());
         std::thread::spawn(move || {
-            let (mut seen, mut first) = (Seen::new(), None);
+            let mut seen = Seen::new();
             for line in BufReader::new(stream).lines().map_while(Result::ok) {
                 if let Some(data) = line.strip_prefix("data: ") {
-                    let first = *first.get_or_insert_with(Instant::now);
-                    seen.push((first.elapsed(), serde_json::from_str(data).expect("JSON")));
+                    seen.push((asked.elapsed(), serde_json::from_str(data).expect("JSON")));
                 }
             }
             seen
