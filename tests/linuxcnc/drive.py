@@ -12,7 +12,6 @@ import os
 import subprocess
 import time
 
-import hal
 import linuxcnc
 
 
@@ -38,12 +37,7 @@ def say(**what):
 
 
 def pin(name):
-    """Value of a pin, in the words of halcmd; empty where there is no such pin."""
-    try:
-        value = hal.get_value(name)
-    except RuntimeError:
-        return ""
-    return str(value).upper() if isinstance(value, bool) else str(value) if isinstance(value, int) else "%g" % value
+    return subprocess.run(["halcmd", "getp", name], capture_output=True, text=True).stdout.strip()
 
 
 def halcmd(*words):
@@ -51,7 +45,7 @@ def halcmd(*words):
 
 
 def set_pin(name, value):
-    hal.set_p(name, str(value))
+    halcmd("setp", name, str(value))
 
 
 def press(name):
@@ -191,10 +185,4 @@ def main():
     command.wait_complete(ORDER_SECONDS)
 
 
-# Pins are read by a component, without a process for each reading.
-component = hal.component("arcfeed-drive")
-component.ready()
-try:
-    main()
-finally:
-    component.exit()
+main()

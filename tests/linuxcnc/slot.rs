@@ -147,15 +147,16 @@ fn arcs(program: &str) -> Vec<(i64, f64)> {
 ///
 /// # Errors
 /// Elsewhere the axes were slower than the override that LinuxCNC reports.
-fn check_slow_samples(machine: &Machine, samples: &[Sample]) -> Result<(), String> {
+fn check_slow_samples(machine: &Machine, ran: &Ran) -> Result<(), String> {
     let program = fs::read_to_string(machine.path("program.ngc")).expect("the program");
     let (mut count, mut farthest) = (0, 0.0_f64);
     for (line, feed) in arcs(&program) {
-        let of_line: Vec<&Sample> = samples.iter().filter(|sample| sample.line == line).collect();
+        let of_line: Vec<&Sample> = ran.samples.iter().filter(|sample| sample.line == line).collect();
         let slow = slow_samples(&of_line, feed);
         let longest_mm = slow.feed_max * slow.feed_max / (2.0 * ALONG_SHARE * ACCELERATION);
         if slow.farthest_mm > longest_mm {
-            return Err(format!("line {line}: slow {} mm from its ends, of {longest_mm}", slow.farthest_mm));
+            let (slow_mm, states) = (slow.farthest_mm, ran.states());
+            return Err(format!("line {line}: slow {slow_mm} mm from its ends, of {longest_mm}; component {states:?}"));
         }
         (count, farthest) = (count + slow.count, farthest.max(slow.farthest_mm));
     }
@@ -260,10 +261,10 @@ fn linuxcnc_cuts_the_slot_at_its_target_with_f_words_and_with_the_component() {
         let (mut ran, mut after) = safe_figures(&machine, mode);
         // The part of LinuxCNC that executes the dial does not run in real time: on a busy computer it was seen late by 2 s, and the axes ran at half of
         // the feed. Safe, but not what is measured here.
-        if let Err(late) = check_slow_samples(&machine, &ran.samples) {
+        if let Err(late) = check_slow_samples(&machine, &ran) {
             println!("LATE (loudly): {mode}: {late}; LinuxCNC did not keep up with this computer, once more");
             (ran, after) = safe_figures(&machine, mode);
-            check_slow_samples(&machine, &ran.samples).unwrap_or_else(|late| panic!("{mode}: {late}"));
+            check_slow_samples(&machine, &ran).unwrap_or_else(|late| panic!("{mode}: {late}"));
         }
         let chip = &after["chip_load"];
         shares_thin.push(number(chip, "samples_thin") / number(chip, "samples"));
