@@ -25,6 +25,8 @@ const ALONG_SHARE: f64 = 0.4;
 const SLEW_DOWN: f64 = 40.0;
 const SLEW_SHARE: f64 = 0.9;
 const RESPONSE_S: f64 = 0.03;
+/// Runs of which LinuxCNC keeps up with one.
+const ATTEMPTS: u32 = 3;
 /// Step of the simulated control's override.
 const STEP: f64 = 0.01;
 
@@ -177,6 +179,19 @@ fn safe_figures(machine: &Machine, mode: &str) -> (Ran, Value) {
     (ran, after)
 }
 
+/// The same of a run in which LinuxCNC kept up with this computer. The part of it that executes the dial does not run in real time: beside
+/// other tests it was seen late by 2 s, twice in a row, and the axes ran at half of the feed. Safe, but not what is measured here.
+fn timely_figures(machine: &Machine, mode: &str) -> (Ran, Value) {
+    let mut attempts = 1;
+    loop {
+        let (ran, after) = safe_figures(machine, mode);
+        let Err(late) = check_slow_samples(machine, &ran) else { return (ran, after) };
+        assert!(attempts < ATTEMPTS, "{mode}: {late}");
+        println!("LATE (loudly): {mode}: {late}; LinuxCNC did not keep up with this computer, once more");
+        attempts += 1;
+    }
+}
+
 /// Time on arcs at less than 98 % of the override before its fall, seconds: (1) of docs/linuxcnc.md, for each arc with the highest
 /// override of its second half.
 fn fall_s(machine: &Machine, samples: &[Sample]) -> f64 {
@@ -258,14 +273,7 @@ fn linuxcnc_cuts_the_slot_at_its_target_with_f_words_and_with_the_component() {
     let (_, before) = figures(&machine, "override-only", Levels::All);
     let mut shares_thin = Vec::new();
     for mode in ["rewrite-only", "safe-base"] {
-        let (mut ran, mut after) = safe_figures(&machine, mode);
-        // The part of LinuxCNC that executes the dial does not run in real time: on a busy computer it was seen late by 2 s, and the axes ran at half of
-        // the feed. Safe, but not what is measured here.
-        if let Err(late) = check_slow_samples(&machine, &ran) {
-            println!("LATE (loudly): {mode}: {late}; LinuxCNC did not keep up with this computer, once more");
-            (ran, after) = safe_figures(&machine, mode);
-            check_slow_samples(&machine, &ran).unwrap_or_else(|late| panic!("{mode}: {late}"));
-        }
+        let (ran, after) = timely_figures(&machine, mode);
         let chip = &after["chip_load"];
         shares_thin.push(number(chip, "samples_thin") / number(chip, "samples"));
         print_times(&ran);
