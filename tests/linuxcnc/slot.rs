@@ -25,7 +25,7 @@ const ALONG_SHARE: f64 = 0.4;
 const SLEW_DOWN: f64 = 40.0;
 const SLEW_SHARE: f64 = 0.9;
 const RESPONSE_S: f64 = 0.03;
-/// Runs of which LinuxCNC keeps up with one.
+/// Most runs until there is one in which LinuxCNC keeps up with this computer.
 const ATTEMPTS: u32 = 3;
 /// Step of the simulated control's override.
 const STEP: f64 = 0.01;
@@ -179,8 +179,8 @@ fn safe_figures(machine: &Machine, mode: &str) -> (Ran, Value) {
     (ran, after)
 }
 
-/// The same of a run in which LinuxCNC kept up with this computer. The part of it that executes the dial does not run in real time: beside
-/// other tests it was seen late by 2 s, twice in a row, and the axes ran at half of the feed. Safe, but not what is measured here.
+/// A run in which LinuxCNC kept up with this computer, with its figures. The part of LinuxCNC that executes the dial does not run in real
+/// time: beside other tests it was seen late by 2 s, twice in a row, and the axes ran at half of the feed. Safe, but not what is measured here.
 fn timely_figures(machine: &Machine, mode: &str) -> (Ran, Value) {
     let mut attempts = 1;
     loop {

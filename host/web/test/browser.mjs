@@ -9,7 +9,7 @@ import { chromium } from 'playwright-core';
 const BROWSERS = ['chromium-headless-shell', 'chromium', 'chromium-browser', 'google-chrome'].map((name) => `/usr/bin/${name}`);
 
 export async function launch(viewport) {
-    // WebGL alone is drawn by SwiftShader: with it the rest of the page would take half as much again.
+    // SwiftShader draws WebGL alone: if it drew the rest of a page too, that would take half as much processor time again.
     const args = ['--no-sandbox', '--use-angle=swiftshader-webgl', '--enable-unsafe-swiftshader'];
     const browser = await chromium.launch({ executablePath: BROWSERS.find(existsSync), args });
     return { browser, page: await browser.newPage({ viewport }) };
@@ -20,11 +20,14 @@ export async function open(page, report) {
     await page.waitForFunction(() => document.documentElement.dataset.viewer === 'ready', null, { timeout: 60_000 });
 }
 
-/** Messages on the console and requests of a page, from now on; but not that the picture is read back, as it must be without a graphics card. */
+// A page without a graphics card reads its WebGL picture back, of which the browser warns.
+const READ_BACK = 'GPU stall due to ReadPixels';
+
+/** Messages on the console and requests of a page, from now on, without the warning of a picture that is read back. */
 export function watch(page) {
     const [messages, requests] = [[], []];
     page.on('console', (message) => {
-        if (!message.text().includes('GPU stall due to ReadPixels')) messages.push(message.text());
+        if (!message.text().includes(READ_BACK)) messages.push(message.text());
     });
     page.on('pageerror', (error) => messages.push(error.message));
     page.on('request', (request) => requests.push(request.url()));

@@ -38,7 +38,7 @@ async function follows() {
 }
 
 /** Pictures that a page draws in a second. */
-const drawn = (page) => page.evaluate(async () => {
+const picturesInASecond = (page) => page.evaluate(async () => {
     const ask = globalThis.requestAnimationFrame;
     let count = 0;
     globalThis.requestAnimationFrame = (draw) => {
@@ -50,22 +50,19 @@ const drawn = (page) => page.evaluate(async () => {
     return count;
 });
 
-/** Pictures are drawn while the axes move, none while they stand. */
-async function rests() {
+/** A hold is seen by all; pictures are drawn while the axes move, none while they stand. */
+async function holds() {
     let [moving, standing] = [0, Infinity];
-    for (let second = 0; second < 30 && moving === 0; second++) moving = await drawn(page);
-    await page.locator('#hold').click();
-    for (let second = 0; second < 30 && standing > 0; second++) standing = await drawn(page);
-    console.log(`${moving} pictures in a second while the axes move, ${standing} while they stand`);
-    assert.ok(moving > 0 && standing === 0, `${moving} ${standing}`);
-    await page.locator('#resume').click();
-    await page.locator('#yes').click();
-}
-
-/** A hold is seen by all, and only a confirmed resume ends it. */
-async function commands() {
+    for (let second = 0; second < 30 && moving === 0; second++) moving = await picturesInASecond(page);
     await page.locator('#hold').click();
     for (const page of pages) await until(page, 'HELD: sending stopped, the axes NOT');
+    for (let second = 0; second < 30 && standing > 0; second++) standing = await picturesInASecond(page);
+    console.log(`${moving} pictures in a second while the axes move, ${standing} while they stand`);
+    assert.ok(moving > 0 && standing === 0, `${moving} ${standing}`);
+}
+
+/** Only a confirmed resume ends the hold. */
+async function resumes() {
     const other = pages[1];
     await other.locator('#resume').click();
     await other.locator('#no').click();
@@ -93,7 +90,7 @@ async function ends() {
 }
 
 try {
-    for (const step of [follows, rests, commands, themes, ends]) {
+    for (const step of [follows, holds, resumes, themes, ends]) {
         await step();
         console.log(`${step.name}: passed`);
     }
